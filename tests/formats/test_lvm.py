@@ -186,3 +186,20 @@ def test_a_rate_against_that_of_the_file_says_what_may_be_wrong(tmp_path: Path) 
     with pytest.raises(DataError, match="the file says 2000 Hz, --rate says 500 Hz") as caught:
         read(tmp_path, lines, ImportOptions(rate_hz=500.0))
     assert "correct its times or its step" in caught.value.remedy
+
+
+def test_rows_that_somebody_left_out_have_the_rate_of_their_column_of_x(tmp_path: Path) -> None:
+    lines = header(".", "One", "\t") + segment(".", "One", "\t")
+    thinned = [line.replace("5.00000000E-04", "5.00000000E-05").replace(f"\t{N}", f"\t{10 * N}") for line in lines]
+    thinned = [new if old.startswith(("Samples", "Delta_X")) else old for old, new in zip(lines, thinned, strict=True)]
+    (block,) = read(tmp_path, thinned).blocks
+    assert block.rate_hz == pytest.approx(RATE_HZ)
+    assert block.samples.shape == (2, N)
+
+
+def test_a_spectrum_by_its_name_is_no_record_of_time(tmp_path: Path) -> None:
+    lines = [
+        line.replace("Force", "Force (FFT - (RMS))") for line in header(".", "One", "\t") + segment(".", "One", "\t")
+    ]
+    with pytest.raises(DataError, match="over Frequency"):
+        read(tmp_path, lines, ImportOptions(variables=(("Force", "Force (FFT - (RMS))"),)))

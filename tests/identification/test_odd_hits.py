@@ -108,3 +108,63 @@ def test_of_two_hits_that_differ_neither_is_blamed() -> None:
     campaign = campaign_of(rows)
     kept, _, _ = usable_blocks(campaign, campaign.blocks)
     assert len(kept) == 2
+
+
+def unplugged(rows: np.ndarray) -> np.ndarray:
+    out = rows.copy()
+    out[2, 900:] = 1e-4 * np.abs(rows[2]).max() * np.random.default_rng(5).normal(size=N - 900)
+    return out
+
+
+def shortened(rows: np.ndarray) -> np.ndarray:
+    out = rows.copy()
+    out[3] = np.r_[rows[3, :800], rows[3, 820:], rows[3, 40:60]]
+    return out
+
+
+@pytest.mark.parametrize(
+    ("harm", "said"),
+    [
+        (unplugged, r"channel a2 holds only noise from 0\.4[34]"),
+        (shortened, r"channel a3 lacks 20 samples from 0\.3[89]"),
+    ],
+    ids=["unplugged", "lost"],
+)
+def test_a_channel_that_changes_late_is_named_though_the_frf_hardly_shows_it(
+    harm: Callable[[np.ndarray], np.ndarray], said: str
+) -> None:
+    rows = hits()
+    rows[3] = harm(rows[3])
+    kept, _, notes = usable_blocks(campaign_of(rows), campaign_of(rows).blocks)
+    assert [s.block.name for s in kept] == ["hit_0", "hit_1", "hit_2"]
+    assert re.search(said, notes[0])
+
+
+def cut_off(share: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The force does not pass a share of its peak; noise of the converter lies behind."""
+
+    def harm(rows: np.ndarray) -> np.ndarray:
+        out = rows.copy()
+        noise = np.random.default_rng(3).normal(size=N) * 1e-4 * rows[0].max()
+        out[0] = np.minimum(rows[0], share * rows[0].max()) + noise
+        return out
+
+    return harm
+
+
+@pytest.mark.parametrize("share", [0.6, 0.75, 0.85])
+def test_a_force_that_is_cut_off_beneath_its_noise_is_named_by_its_top_or_by_the_responses(share: float) -> None:
+    rows = hits()
+    rows[1] = cut_off(share)(rows[1])
+    kept, _, notes = usable_blocks(campaign_of(rows), campaign_of(rows).blocks)
+    assert [s.block.name for s in kept] == ["hit_0", "hit_2", "hit_3"]
+    assert re.search(r"hit_1.*(flat tops at|its force is cut off at \d+(\.\d+)? N: the responses ask for)", notes[0])
+
+
+def test_a_second_contact_is_named_and_stays_in_the_model() -> None:
+    rows = hits()
+    again = record(30.0, 7)
+    rows[2] = rows[2] + np.roll(again, 800, axis=1) * (np.arange(N) >= 800)
+    kept, _, notes = usable_blocks(campaign_of(rows), campaign_of(rows).blocks)
+    assert len(kept) == 4
+    assert [n for n in notes if re.search(r"hit_2: the force has a second contact of 3\d(\.\d)? % from 0\.43", n)]

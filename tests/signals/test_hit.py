@@ -26,13 +26,14 @@ def test_a_pull_is_a_hit_too():
     assert find_hit(force((300, -50.0))).peak == 300
 
 
-def test_a_double_hit_stays_whole():
-    both = force((100, 80.0), (140, 30.0))
+def test_both_contacts_of_a_double_hit_stay_and_the_noise_between_them_goes():
+    both = force((100, 80.0), (300, 30.0))
     hit = find_hit(both)
     assert hit.first < 95
-    assert hit.stop > 145
+    assert hit.stop > 305
     kept = windowed_force(both, hit)
-    assert kept[140] == pytest.approx(30.0, abs=0.1)
+    assert kept[300] == pytest.approx(30.0, abs=0.1)
+    assert not kept[130:270].any()
 
 
 def test_outside_the_hit_is_zero_and_inside_nothing_but_the_offset_changes():

@@ -15,6 +15,7 @@ from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure, check_values
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.format import sniff
+from modallab.formats.joined_frfs import joined_frfs
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.signals.faults.all_faults import faults_of
 
@@ -22,7 +23,7 @@ _VOLTS = ("V", "mV")
 
 
 def import_recordings(paths: Sequence[Path], rig: Rig | None, said: Mapping[str, Any]) -> Campaign:
-    """Read recordings as `import_sources` does, with what the user says; without a rig, on one drafted from the first.
+    """Read recordings as `import_sources` does, with what the user says; without a rig, on one drafted from the files.
 
     Where no force is measured, and the user says no test, records are taken as of the random test.
 
@@ -35,7 +36,7 @@ def import_recordings(paths: Sequence[Path], rig: Rig | None, said: Mapping[str,
         ModallabError: an option that there is not, or one error with everything that is wrong in any of the files.
     """
     each = options_of(said, len(paths))
-    known = _with_drive_points(draft_rig(paths[0], each[0]), each) if rig is None else _taken_of(rig, each[0])
+    known = _with_drive_points(_drafted(paths, each), each) if rig is None else _taken_of(rig, each[0])
     if known.force is None and said.get("test") is None:
         each = tuple(replace(one, test="random") for one in each)
     return import_sources(paths, known, each)
@@ -60,19 +61,34 @@ def import_sources(
     each = (one,) * len(paths) if isinstance(one, ImportOptions) else one
     for own in each:
         own.check(rig)
-    errors, parts = ErrorCollection(), list[Campaign]()
+    errors, parts, held = ErrorCollection(), list[Campaign](), set[str]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_driven_at(_windowed(_checked(_living(_read(path, rig, own))), own), own))
+            read = _read(path, rig, own)
+            held |= {name for frf in read.frfs for name in frf.outputs} if sniff(path).name != "hdf5" else set()
+            parts.append(_driven_at(_windowed(_checked(_living(read)), own), own))
     errors.done()
+    if held:
+        _require_outputs(held, [c.name for c in rig.responses if each[0].takes(c.name)], ", ".join(map(str, paths)))
     blocks = _in_order([block for part in parts for block in part.blocks])
-    frfs = [frf for part in parts for frf in part.frfs]
+    frfs = joined_frfs([frf for part in parts for frf in part.frfs])
     if not blocks and not frfs:
         raise DataError("no recordings were given", remedy="name at least one file")
     provenance = {key: value for part in parts for key, value in part.provenance.items()} | _said_of(parts, each)
-    whole = Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
+    whole = Campaign(rig, blocks, frfs, provenance, ", ".join(part.source for part in parts))
     check_recordings(whole)
     return whole
+
+
+def _require_outputs(held: set[str], responses: Sequence[str], where: str) -> None:
+    """FRFs of all responses."""
+    missing = [name for name in responses if name not in held]
+    if missing:
+        raise DataError(
+            f"no FRF of channel {', '.join(missing)}",
+            where=where,
+            remedy="give the files of all channels together, or leave these channels out with --ignore",
+        )
 
 
 def _said_of(parts: Sequence[Campaign], each: Sequence[ImportOptions]) -> dict[str, str]:
@@ -102,6 +118,18 @@ def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
             remedy="write a rig file and give it with --rig; docs/how-to/write-a-rig-file.md says how",
         )
     return found.draft(path, options or ImportOptions())
+
+
+def _drafted(paths: Sequence[Path], each: Sequence[ImportOptions]) -> Rig:
+    """The rig of the first file, with the responses and points of the others if each file has its own."""
+    first, *others = [draft_rig(path, own) for path, own in zip(paths, each, strict=True)]
+    responses = [channel for rig in (first, *others) for channel in rig.responses]
+    if not others or len({channel.name for channel in responses}) < len(responses):
+        return first
+    points = {point.id: point for rig in (first, *others) for point in rig.points}
+    channels = [channel for channel in first.channels if channel not in first.responses] + responses
+    numbered = tuple(channel.model_copy(update={"index": k}) for k, channel in enumerate(channels))
+    return first.model_copy(update={"points": tuple(points.values()), "channels": numbered})
 
 
 def _with_drive_points(rig: Rig, each: Sequence[ImportOptions]) -> Rig:

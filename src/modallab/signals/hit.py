@@ -1,6 +1,7 @@
 """Where the hit lies in an impact block, and the force with everything else set to zero."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +11,31 @@ from modallab.signals.checks import check_positive, check_rows
 
 BESIDE, FAR = 2.5, 8.0
 """In sigmas of the noise: what a neighbour of a contact's sample reaches, and from where on it needs none."""
+LEAST_PAUSE, APART = 16, 4
+"""Samples between two contacts, and how many times as long as a contact what lies between them is."""
 LOW_RMS = 0.789
 """Rms of the nine tenths of a standard normal variable that are smallest: sqrt(1 - 2 z p(z) / 0.9), z = 1.645."""
 
 
 @dataclass(frozen=True, slots=True)
 class HitSamples:
-    """Samples `first` to `stop` (exclusive) hold the hit; `offset` is the force channel's level outside, in N."""
+    """Where the contacts of a hit lie in a force.
+
+    Attributes:
+        first: the first sample of the first contact.
+        stop: behind the last of the last contact.
+        peak: the largest sample.
+        offset: the channel's level outside, in N.
+        noise: its standard deviation there, in N.
+        pauses: first samples and those behind the last of what lies between contacts, in which no force acts.
+    """
 
     first: int
     stop: int
     peak: int
     offset: float
     noise: float
+    pauses: tuple[tuple[int, int], ...] = ()
 
 
 def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> HitSamples:
@@ -49,14 +62,30 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> HitSamples:
             f"no hit: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
             remedy="leave this record out, or identify it as a sine test",
         )
-    # A double hit would be one long hit: both contacts are force that acted, and stay.
-    margin = max(4, int(loud[-1] - loud[0]) // 2)
-    first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
+    contacts = _contacts(loud)
+    margins = [max(4, (last - first) // 2) for first, last in contacts]
+    spans = [(max(0, a - m), min(len(force), b + m + 1)) for (a, b), m in zip(contacts, margins, strict=True)]
+    first, stop, pauses = spans[0][0], spans[-1][1], tuple((a[1], b[0]) for a, b in pairwise(spans))
     outside = np.concatenate([force[:first], force[stop:]])
     if outside.size < 16:
-        return HitSamples(first, stop, peak, offset, noise)
+        return HitSamples(first, stop, peak, offset, noise, pauses)
     # A median of few counts is coarse; the samples outside the hit give offset and noise.
-    return HitSamples(first, stop, peak, float(outside.mean()), float(outside.std()))
+    return HitSamples(first, stop, peak, float(outside.mean()), float(outside.std()), pauses)
+
+
+def _contacts(loud: NDArray[np.int64]) -> list[tuple[int, int]]:
+    """First and last sample of each contact: what is apart by more than `APART` times the longest is another.
+
+    The ringing of a steep filter is part of the contact that it follows.
+    """
+    gaps = np.flatnonzero(np.diff(loud) > LEAST_PAUSE)
+    firsts, lasts = np.r_[loud[0], loud[gaps + 1]], np.r_[loud[gaps], loud[-1]]
+    longest = int((lasts - firsts).max()) + 1
+    apart = np.flatnonzero(firsts[1:] - lasts[:-1] > APART * longest)
+    return [
+        (int(a), int(b))
+        for a, b in zip(np.r_[firsts[0], firsts[apart + 1]], np.r_[lasts[apart], lasts[-1]], strict=True)
+    ]
 
 
 def _noise_of_force(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
@@ -99,4 +128,6 @@ def windowed_force(force: NDArray[np.float64], hit: HitSamples) -> NDArray[np.fl
         raise DataError(found, remedy="give the force in which the hit was found")
     windowed = np.zeros_like(force)
     windowed[hit.first : hit.stop] = force[hit.first : hit.stop] - hit.offset
+    for first, stop in hit.pauses:
+        windowed[first:stop] = 0.0
     return windowed

@@ -82,12 +82,20 @@ def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Variable]
         elif isinstance(value, list | np.ndarray) and len(value) and all(isinstance(one, dict) for one in value):
             for k, one in enumerate(value, start=1):
                 yield from _flat(f"{prefix}{name}({k}).", one)
+        elif _is_cell(value):
+            yield from _flat(prefix, {f"{name}({k})": one for k, one in enumerate(value, start=1)})
         elif texts := _texts(value):
             yield f"{prefix}{name}", texts
         elif isinstance(value, io.matlab.MatlabOpaque):
             yield f"{prefix}{name}", "object"
         elif (array := np.asarray(value)).dtype.kind in "fiuc":
             yield f"{prefix}{name}", array
+
+
+def _is_cell(value: object) -> bool:
+    """Whether a cell holds arrays."""
+    cells = value if isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object) else ()
+    return len(cells) > 0 and all(isinstance(one, np.ndarray) for one in cells)
 
 
 def _texts(value: object) -> tuple[str, ...]:
@@ -107,10 +115,11 @@ def _of_group(prefix: str, group: Mapping[str, h5py.Dataset | h5py.Group]) -> It
             continue
         if isinstance(item, h5py.Group):
             yield from _of_group(f"{prefix}{key}.", item)
-        elif _class_of(item) == b"" and item.dtype == h5py.ref_dtype:
-            # A field of an array of structures holds a reference for each of them.
+        elif item.dtype == h5py.ref_dtype and not _hdf5_texts(item):
+            # A field of an array of structures, and a cell, hold a reference for each of them.
             for k, one in enumerate(np.ravel(item[()].T), start=1):
-                yield from _of_group(f"{prefix.removesuffix('.')}({k}).", {key: item.file[one]})
+                at = (f"{prefix}", f"{key}({k})") if _class_of(item) else (f"{prefix.removesuffix('.')}({k}).", key)
+                yield from _of_group(at[0], {at[1]: item.file[one]})
         else:
             yield from _of_dataset(f"{prefix}{key}", item)
 

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 
 from modallab.core.errors import DataError
 from modallab.formats.csv.csv_cells import head_cells, is_number
+from modallab.formats.csv.csv_facts import Facts
 from modallab.formats.unit_text import is_of_frequency, is_of_time, is_unit, name_and_unit, normal_unit, quantity_of
 
-_UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
-_UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+(?P<unit>\S.*?)\W*$", re.IGNORECASE)
-"""A line that gives the unit of the abscissa or of all else."""
 _LETTER = re.compile(r"[^\W_]")
 """What a line of dashes has none of."""
 _WORD = r"(?<![^\W_])(?:{})(?![^\W_])"
@@ -26,7 +24,9 @@ BY_OPTION = 'name its columns with --columns "time,force:N,a01:m/s^2", or add a 
 Heads = tuple[tuple[str, ...], tuple[str, ...]]
 
 
-def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, columns: int, filled: int) -> Heads:
+def headings(
+    above: Sequence[str], commented: Sequence[str], delimiter: str, columns: int, filled: int, facts: Facts
+) -> Heads:
     """Name and unit of each column, "" for a unit that is not written; () and () if the table has no header.
 
     Args:
@@ -35,6 +35,7 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
         delimiter: of the columns.
         columns: how many there are.
         filled: how many, without those at the end that are empty; they need no name.
+        facts: that stand above, too.
     """
     rows = _fitting(above, delimiter, columns, filled)
     if not rows:
@@ -46,9 +47,9 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
     if place is None:
         return (), ()
     parts = [name_and_unit(cell) for cell in _with_abscissa(rows, place)]
-    beside = _units_beside(rows, place, alone=len(above) == 2) or _of_facts(above, delimiter, columns)
-    units = tuple(unit or normal_unit(cell.strip("[]")) for (_, unit), cell in zip(parts, beside, strict=True))
-    return tuple(name for name, _ in parts), units
+    beside = _units_beside(rows, place, alone=len(above) == 2) or facts.units(columns)
+    units = (unit or normal_unit(cell.strip("[]")) for (_, unit), cell in zip(parts, beside, strict=True))
+    return tuple(name for name, _ in parts), tuple(map(facts.of_ratio, units))
 
 
 def _with_abscissa(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
@@ -114,23 +115,6 @@ def _are_names(row: Sequence[str]) -> bool:
     """Whether words are distinct."""
     named = [cell.casefold() for cell in row if cell]
     return _are_words(row) and len(set(named)) == len(named)
-
-
-def _of_facts(above: Sequence[str], delimiter: str, columns: int) -> Sequence[str]:
-    """The unit of each column from facts above the table, "" without any.
-
-    A line may begin with a word for units, and hold them for all columns or for all but the first; or two lines give
-    that of the abscissa and of all else.
-    """
-    units = {"x": "", "y": ""}
-    for line in above:
-        head, *rest = head_cells(line, delimiter, columns)
-        found = [normal_unit(cell) for cell in rest]
-        if _UNIT_TAG.search(head) and any(quantity_of(unit) for unit in found) and len(found) in (columns, columns - 1):
-            return ["", *found][-columns:]
-        if fact := _UNIT_FACT.match(line):
-            units[fact["axis"].lower()] = normal_unit(fact["unit"])
-    return [units["x"], *[units["y"] if is_unit(units["y"]) else ""] * (columns - 1)]
 
 
 def parse_headings(text: str, columns: int, filled: int, where: str) -> Heads:

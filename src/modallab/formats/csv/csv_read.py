@@ -15,7 +15,8 @@ from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import columns_of, frf_of_table, holds_frfs
 from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
-from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
+from modallab.formats.csv.csv_join import records_of, side_by_side
+from modallab.formats.csv.csv_table import Table, read_tables
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
 from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions, units_of
@@ -43,6 +44,7 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         table = side_by_side(tables, where)
         frf = frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
         return Campaign(rig, (), (frf,), _provenance(path, [table.note]), where)
+    tables = records_of(tables, where)
     names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
     found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
     blocks = tuple(replace(block, order=order) for order, (block, _) in enumerate(found))
@@ -81,7 +83,10 @@ def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: 
     facts = facts_or_options(read_facts(table.remark, where), name, rate, options)
     samples = np.ascontiguousarray(table.values[:, order].T)
     block = facts.block(samples, units_of(rig.channels, units, table.elsewhere, options, where), rig)
-    return block, (f"columns {', '.join(left)} are no channels of the rig, and left out",) if left else ()
+    notes = [f"columns {', '.join(left)} are no channels of the rig, and left out"] if left else []
+    if time is None and options.rate_hz is None:
+        notes.append(f"the rate of {rate:g} Hz is that of the lines above the table")
+    return block, tuple(notes)
 
 
 def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) -> tuple[str, ...]:
@@ -89,7 +94,7 @@ def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) 
     columns = table.values.shape[1]
     if columns == len(channels) + 1:
         return ("time", *channels)
-    if columns == len(channels) and options.rate_hz is not None:
+    if columns == len(channels) and (options.rate_hz or table.facts.rate_hz) is not None:
         return channels
     raise DataError(
         f"has {columns} columns and no header; the rig has {len(channels)} channels ({', '.join(channels)})",
@@ -131,13 +136,14 @@ def _places(
 
 def _rate(table: Table, names: tuple[str, ...], time: int | None, options: ImportOptions, where: str) -> float:
     if time is None:
-        if options.rate_hz is None:
+        said = table.facts.rate_hz if options.rate_hz is None else options.rate_hz
+        if said is None:
             raise DataError(
                 f"has no column of times among {', '.join(names)}, and no rate is given",
                 where=where,
                 remedy="add a column named time, or give the rate with --rate",
             )
-        return check_rate(options.rate_hz, where)
+        return check_rate(said, where)
     unit = table.units[time] if table.units else ""
     factor = to_seconds(unit, f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
@@ -153,7 +159,7 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
         DataError: the table has no header.
     """
     tables = read_tables(path, options.columns)
-    table = side_by_side(tables, str(path)) if holds_frfs(tables[-1]) else tables[0]
+    table = side_by_side(tables, str(path)) if holds_frfs(tables[-1]) else records_of(tables, str(path))[0]
     if not table.names:
         raise DataError(
             "has no header, so that its columns have no names",

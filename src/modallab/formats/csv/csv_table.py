@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,15 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.core.errors import DataError, FormatError
+from modallab.core.errors import FormatError
 from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
 from modallab.formats.csv.csv_cells import complex_number, head_cells, is_number, split
+from modallab.formats.csv.csv_facts import Facts, facts_of, names_by_facts
 from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, parse_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
-
-_TITLE = re.compile(r"^(?:(?:FRF|transfer function|frequency response(?: function)?|H[12v])\b[\s:(]*)+", re.IGNORECASE)
-"""What stands before the response in the title of a table of FRFs."""
+from modallab.formats.unit_text import normal_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +33,7 @@ class Table:
         remark: the comment lines, one after the other.
         imaginary: (rows, columns), 0 in columns of real numbers; None if there are no complex ones.
         no_numbers: by column, what stands there instead of a number.
-        title: the last line of a single cell above it.
+        facts: what stands above it.
         note: on lines that were left out.
         elsewhere: what stands above a table without units, cell by cell: units may be among them.
     """
@@ -48,7 +46,7 @@ class Table:
     remark: str = ""
     imaginary: Real | None = None
     no_numbers: Mapping[int, FormatError] = field(default_factory=dict[int, FormatError])
-    title: str = ""
+    facts: Facts = field(default_factory=Facts)
     note: str = ""
     elsewhere: tuple[str, ...] = ()
 
@@ -97,7 +95,9 @@ class _Column:
 
 
 def _table(text: TextTable, where: str, said: str = "") -> Table:
-    columns, names = _columns(text, where, said)
+    text = text if said else _without_repeats(text)
+    facts = facts_of(_texts(text.above), text.delimiter)
+    columns, names = _columns(text, facts, where, said)
     if not text.ended:
         _check_end(text, where)
     numbers = [_numbers(column, text.rows, where) for column in columns]
@@ -106,7 +106,6 @@ def _table(text: TextTable, where: str, said: str = "") -> Table:
         raise others[min(others)]
     values = np.column_stack([np.full(len(text.rows), np.nan) if isinstance(n, FormatError) else n for n in numbers])
     real = np.ascontiguousarray(values.real)
-    titles = [line for line in (x.text.strip().strip('"') for x in text.above) if len(split(line, text.delimiter)) == 1]
     return Table(
         tuple(column.name for column in columns) if names else (),
         tuple(column.unit for column in columns) if names else (),
@@ -116,7 +115,7 @@ def _table(text: TextTable, where: str, said: str = "") -> Table:
         text.remark,
         np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None,
         others,
-        titles[-1] if titles else "",
+        facts,
         _note(text.below),
         () if any(column.unit for column in columns[1:]) else text.cells_above(),
     )
@@ -128,7 +127,31 @@ def _note(below: Sequence[Line]) -> str:
     return f"left out is what stands below the table, from line {below[0].number}, {below[0].text.strip()[:40]!r}"
 
 
-def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], bool]:
+def _without_repeats(text: TextTable) -> TextTable:
+    """The table without the columns that repeat the first in every row, as where each channel has its own times."""
+    first = [row.cells[0] for row in text.rows]
+    kept = [
+        k for k in range(text.columns) if not k or [row.cells[k : k + 1] for row in text.rows] != [[c] for c in first]
+    ]
+    if len(kept) == text.columns:
+        return text
+    rows = tuple(TextRow(row.number, [row.cells[k] for k in kept if k < len(row.cells)]) for row in text.rows)
+
+    def cut(line: Line) -> Line:
+        cells = head_cells(line.text, text.delimiter, text.columns)
+        whole = [cells[k] for k in kept] if len(cells) == text.columns else cells
+        return Line(line.number, text.delimiter.join(f'"{c}"' if text.delimiter in c else c for c in whole))
+
+    return replace(
+        text,
+        above=tuple(map(cut, text.above)),
+        rows=rows,
+        columns=len(kept),
+        units=tuple(text.units[k] for k in kept if text.units),
+    )
+
+
+def _columns(text: TextTable, facts: Facts, where: str, said: str) -> tuple[list[_Column], bool]:
     """The columns that have a name, the abscissa first, and whether they have names.
 
     Without names those that hold something, in their order.
@@ -138,13 +161,17 @@ def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], boo
     if said:
         names, units = parse_headings(said, len(cells), filled, where)
     else:
-        names, units = headings(_texts(text.above), _texts(text.commented), text.delimiter, len(cells), filled)
+        lines = _texts(text.above), _texts(text.commented)
+        names, units = headings(*lines, text.delimiter, len(cells), filled, facts)
+        names, units = (names, units) if names else names_by_facts(facts, cells)
         if not names and len(cells) > len(text.rows):
             raise _transposed(text, where)
         if not names and text.above:
             raise _no_names(text, len(cells), where)
     blank = ("",) * len(cells)
-    found = [_Column(k, *one) for k, one in enumerate(zip(names or blank, units or blank, cells, strict=True), start=1)]
+    behind = (*map(normal_unit, text.units), *blank)
+    units = [unit or own for unit, own in zip(units or blank, behind, strict=False)]
+    found = [_Column(k, *one) for k, one in enumerate(zip(names or blank, units, cells, strict=True), start=1)]
     found = _with_seconds(found, named=bool(names))
     found = [column for column in found if column.name or (not names and any(column.cells))]
     first = abscissa([c.name for c in found], [c.unit for c in found]) or 0
@@ -178,57 +205,6 @@ def _with_seconds(columns: Sequence[_Column], *, named: bool) -> list[_Column]:
             moments = [f"{day} {clock}" for day, clock in zip(found.pop().cells, moments, strict=True)]
         found.append(replace(column, name="time" if named else "", unit="s", cells=seconds_of(moments)))
     return found
-
-
-def side_by_side(tables: Sequence[Table], where: str) -> Table:
-    """Tables of FRFs below each other as one. Columns that are called alike in two take their table's title.
-
-    Raises:
-        DataError: the tables differ in their first column, or columns called alike have no titles.
-    """
-    first = tables[0]
-    if len(tables) == 1:
-        return first
-    _require_lines(tables, where)
-    parts = [t.values if t.imaginary is None else t.values + 1j * t.imaginary for t in tables]
-    whole = np.hstack([first.values[:, :1], *(part[:, 1:] for part in parts)])
-    return replace(
-        first,
-        names=(first.names[0], *_names_of_all(tables, where)),
-        units=(first.units[0], *(unit for table in tables for unit in table.units[1:])),
-        values=np.ascontiguousarray(whole.real),
-        ended=tables[-1].ended,
-        imaginary=np.ascontiguousarray(whole.imag) if np.iscomplexobj(whole) else None,
-    )
-
-
-def _require_lines(tables: Sequence[Table], where: str) -> None:
-    first = tables[0]
-    for k, table in enumerate(tables, start=1):
-        if not np.array_equal(table.values[:, 0], first.values[:, 0]):
-            raise DataError(
-                f"table {k} of {len(tables)} has other frequencies than the first: {_span(table)}, not {_span(first)}",
-                where=where,
-                remedy="export FRFs at the same lines, or each to a file of its own",
-            )
-
-
-def _names_of_all(tables: Sequence[Table], where: str) -> list[str]:
-    names = [name for table in tables for name in table.names[1:]]
-    if len(set(names)) == len(names):
-        return names
-    titles = [_TITLE.sub("", table.title).rstrip(") ").replace(",", "/") for table in tables]
-    if "" in titles or len(set(titles)) < len(titles):
-        raise DataError(
-            f"holds {len(tables)} tables of FRFs below each other, and not the response of each",
-            where=where,
-            remedy="write the response above each table, as FRF a1/force, or give one table with a column for each",
-        )
-    return [f"{name} {title}" for table, title in zip(tables, titles, strict=True) for name in table.names[1:]]
-
-
-def _span(table: Table) -> str:
-    return f"{len(table.values)} from {table.values[0, 0]:g} to {table.values[-1, 0]:g}"
 
 
 def _check_end(text: TextTable, where: str) -> None:

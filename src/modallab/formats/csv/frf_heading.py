@@ -135,7 +135,8 @@ def response_of(heading: FrfHeading, rig: Rig, where: str) -> tuple[Channel, int
             f"column {heading.text!r} is the FRF of {'several responses' if fitting else 'no response'} of the rig, "
             f"which has {', '.join(c.name for c in rig.responses)}",
             where=where,
-            remedy="name the columns as Re a1 and Im a1, or Re a1/p10 with the point of the force, a1 being a channel",
+            remedy="name the columns as Re a1 and Im a1, or Re a1/p10 with the point of the force, a1 being a channel; "
+            "with --columns, if not in the file",
         )
     return fitting[0], pair.input
 

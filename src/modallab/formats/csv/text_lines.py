@@ -5,6 +5,7 @@ least, over the whole file. A row is a line of as many cells, half of whose colu
 """
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,6 +13,7 @@ from pathlib import Path
 
 from modallab.core.errors import FormatError
 from modallab.formats.csv.csv_cells import BLANKS, DELIMITERS, is_number, plain_numbers, split, with_points
+from modallab.formats.unit_text import is_unit, normal_unit
 
 _SHOWN = 300
 """Lines at either end that show the layout of a longer file."""
@@ -21,6 +23,8 @@ _OPEN_QUOTE = re.compile(r'^[^"]*(?:"[^"]*"[^"]*)*(?:^|[,;\t])\s*"[^"]*$')
 """A cell in quotes that does not end in its line."""
 _WRAPPED = 16
 """Most lines of such a row."""
+_UNIT_BEHIND = re.compile(r"(?<=[\d.])[ \u00a0]+(?P<unit>[^\W\d][^,;|\s\"]*)(?=\s*(?:[,;|\t\"]|$))")
+"""A unit in the cell of its number, as MATLAB writes durations: `0.5 sec`."""
 _MARK = re.compile(r"^\s*(?:[#%*!]+|//)\s*")
 """What begins a comment."""
 
@@ -54,6 +58,7 @@ class TextTable:
         remark: comments that begin with # or %, one after the other.
         ended: whether the last line has its end.
         below: lines of words behind the last row of the file.
+        units: by column, that stand behind each of its numbers.
     """
 
     above: tuple[Line, ...]
@@ -64,6 +69,7 @@ class TextTable:
     remark: str
     ended: bool
     below: tuple[Line, ...]
+    units: tuple[str, ...]
 
     def cells_above(self) -> tuple[str, ...]:
         """What stands above it, between any marks; brackets are around a unit, or within one, as in (m/s^2)/N."""
@@ -99,7 +105,7 @@ def read_text(path: Path) -> list[TextTable]:
     text = decoded(path)
     lines = [line for line in _whole_lines(text) if line.text.strip()]
     said = _SEPARATOR.fullmatch(lines[0].text.strip()) if lines else None
-    lines = [_plain(line) for line in (lines[1:] if said else lines)]
+    lines, measured = _without_units([_plain(line) for line in (lines[1:] if said else lines)])
     layout = _layout(lines, (said[1],) if said else (*DELIMITERS, BLANKS), str(path))
     cut = [TextRow(line.number, split(line.text, layout.delimiter)) for line in lines]
     kinds = ["#" if _MARK.match(x.text) else layout.kind(row.cells) for x, row in zip(lines, cut, strict=True)]
@@ -109,13 +115,15 @@ def read_text(path: Path) -> list[TextTable]:
     # A last line without its end may be a row that was cut off.
     last = max((k for k, kind in enumerate(kinds, start=1) if kind in "n?"), default=0) if ended else len(kinds)
     below = tuple(lines[last:])
+    behind = [_UNIT_BEHIND.search(cell) for cell in split(measured, layout.delimiter)] if measured else []
+    units = tuple(found["unit"] if found else "" for found in behind)
 
     def table(first: int, begin: int, end: int) -> TextTable:
         words, comments = ([_unmarked(lines[k]) for k in range(first, begin) if (kinds[k] == "#") == c] for c in (0, 1))
         rows = [cut[k] for k in range(begin, end) if kinds[k] != "#"]
         plain = _with_points(rows, layout.delimiter, str(path))
         shape = layout.columns, layout.delimiter
-        return TextTable(tuple(words), tuple(comments), plain, *shape, remark, ended or end < last, below)
+        return TextTable(tuple(words), tuple(comments), plain, *shape, remark, ended or end < last, below, units)
 
     return [table(*span) for span in _spans(cut, kinds[:last], layout.columns)]
 
@@ -153,6 +161,18 @@ def decoded(path: Path) -> str:
 
 def _plain(line: Line) -> Line:
     return Line(line.number, plain_numbers(line.text)) if _BEGINS_A_ROW.match(line.text) else line
+
+
+def _without_units(lines: Sequence[Line]) -> tuple[list[Line], str]:
+    """The lines without the units that stand behind their numbers, if most have the same ones, and one of them with."""
+    said = [tuple(_UNIT_BEHIND.findall(line.text)) for line in lines]
+    usual, count = Counter(said).most_common(1)[0] if said else ((), 0)
+    if 2 * count <= len(lines) or not usual or not all(is_unit(normal_unit(unit)) for unit in usual):
+        return list(lines), ""
+    bare = [
+        Line(x.number, _UNIT_BEHIND.sub("", x.text)) if own == usual else x for x, own in zip(lines, said, strict=True)
+    ]
+    return bare, lines[said.index(usual)].text
 
 
 def _unmarked(line: Line) -> Line:
@@ -199,16 +219,25 @@ def _of_mark(lines: Sequence[Line], mark: str) -> _Layout:
 def _spans(cut: Sequence[TextRow], kinds: Sequence[str], columns: int) -> list[tuple[int, int, int]]:
     """Of each table the first line above it, its first row, and the line behind it.
 
-    Lines with words for numbers right above the first row are of the table, so that no sample is lost without a word.
+    One begins where names stand below numbers, or a line that begins as one above the first table. Lines with words
+    for numbers right above the first row are of the table, so that no sample is lost without a word.
     """
     rows = [k for k, kind in enumerate(kinds) if kind == "n"]
+    keys = {"".join(cut[i].cells[:1]) for i in range(rows[0] if rows else 0) if kinds[i] == "w"} - {""}
     begins = [0]
     for before, k in pairwise(rows):
-        if any(kinds[i] == "w" and len(cut[i].cells) == columns and columns > 1 for i in range(before + 1, k)):
+        between = [cut[i].cells for i in range(before + 1, k) if kinds[i] == "w"]
+        if any((len(cells) == columns and columns > 1) or cells[0] in keys for cells in between if cells):
             begins.append(before + 1)
     spans: list[tuple[int, int, int]] = []
     for above, end in pairwise([*begins, len(kinds)]):
         first = next(k for k in rows if k >= above)
+        # One row between lines of fewer words, as of a step for each channel, is a fact.
+        while columns > 1 and kinds[first + 1 : first + 2] == ["w"] and len(cut[first + 1].cells) < columns:
+            later = next((k for k in rows if first < k < end), None)
+            if later is None:
+                break
+            first = later
         while first > above and kinds[first - 1] == "?":
             first -= 1
         spans.append((above, first, end))

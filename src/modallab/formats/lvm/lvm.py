@@ -1,5 +1,6 @@
 """LabVIEW measurement files as records: a segment a record, its channels by their names."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,8 @@ from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
 from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds, unit_in_name
 
+_SPECTRUM = re.compile(r"\((?:FFT|PSD|Power Spectr|Spectr|Magnitude|Phase)", re.IGNORECASE)
+"""What LabVIEW writes behind the name of a channel over frequency, even where X_Dimension says Time."""
 _SAME = 1e-4
 """Relative, of steps: columns of x are written with few digits too."""
 
@@ -62,7 +65,8 @@ def draft_lvm(path: Path, options: ImportOptions) -> Rig:
 def _called(channel: LvmChannel, options: ImportOptions) -> LvmChannel:
     """The channel as the user calls it, with the unit that the file says, or that its name ends with."""
     unit = normal_unit(channel.unit) or unit_in_name(channel.name)
-    return replace(channel, name=options.channel_of(channel.name), unit=unit)
+    over = "Frequency" if _SPECTRUM.search(channel.name) else channel.dimension
+    return replace(channel, name=options.channel_of(channel.name), unit=unit, dimension=over)
 
 
 def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, where: str) -> tuple[Table, str]:

@@ -187,12 +187,22 @@ class _Segment:
         """
         count = max((int(n) for n in self.head.get("Samples", ()) if n.isdigit()), default=0)
         rows = self.body.rows
-        if 0 < len(rows) < count:
+        if 0 < len(rows) < count and not self._is_thinned:
             what = f"is cut off: below line {self.body.names.number} stand {len(rows)} of {count} samples"
             raise FormatError(what, where=self.body.where, remedy="copy the file again")
         begins = [0, *(k for k in range(count, len(rows), max(count, 1)) if count > 1 and not self._runs_on(k))]
         for first, last in zip(begins, [*begins[1:], len(rows)], strict=True):
             yield replace(self, body=replace(self.body, rows=rows[first:last]))
+
+    @property
+    def _is_thinned(self) -> bool:
+        """Whether somebody left rows out: Samples and Delta_X say the duration that the column of x still has."""
+        count = max((int(n) for n in self.head.get("Samples", ()) if n.isdigit()), default=0)
+        if self._kind == "no" or not 1 < len(self.body.rows) < count:
+            return False
+        first, second = (self.body.number(self.body.cells(k)[0], self._decimal, k) for k in self.body.rows[:2])
+        step, said = second - first, self._number("Delta_X", 0)
+        return step > 1.5 * said and abs(len(self.body.rows) * step - count * said) <= step
 
     def _runs_on(self, row: int) -> bool:
         """Whether the column of x goes on at a row as it began."""
@@ -239,7 +249,7 @@ class _Segment:
             x_unit=self._value("X_Unit_Label", k),
             start=self._start(k),
             x0=self._number("X0", k),
-            step=self._number("Delta_X", k),
+            step=0.0 if self._is_thinned else self._number("Delta_X", k),
             step_error=float(half_last_digits([self._plain(self._value("Delta_X", k))], np.ones(1))[0]),
             x=abscissae,
             x_error=half_last_digits([self._plain(cell) for cell, _ in x], abscissae) if x else np.empty(0),

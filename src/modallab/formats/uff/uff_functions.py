@@ -36,7 +36,7 @@ class Function:
     Attributes:
         place: its place among all sets of the file, from 1.
         kind: function type of the format: 1 a time record, 4 an FRF, 6 a coherence.
-        names: entity name and identification lines, as written.
+        names: entity name, identification lines and the ordinate's label, as written.
         node: node of the response, 0 if unknown.
         direction: 1, 2, 3 for x, y, z, negative for the other sense; 0 if unknown.
         reference_node: node of the excitation, 0 if unknown.
@@ -136,7 +136,7 @@ def _function(one: RawSet, where: str) -> Function:
     return Function(
         place=one.place,
         kind=kind,
-        names=(name, *(one.lines[k][:80].strip() for k in (0, 1, 3, 4))),
+        names=(name, *(one.lines[k][:80].strip() for k in (0, 1, 3, 4)), _fields(one.lines[8], _AXIS_COLUMNS)[4]),
         node=node,
         direction=direction,
         reference_node=reference,

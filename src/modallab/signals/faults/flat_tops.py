@@ -20,14 +20,24 @@ NOISY_LEAST, NOISY_SHARP = 5, 6.0
 can make a top without curvature: it leaves a band of three samples by 16 times its width, which is less."""
 NOISY_TOPS = 0.005
 """Largest share of its height within which such a top is flat."""
+WITHIN = 4.0
+"""Deviations of a known noise that a flat top of a few samples spans."""
 WIDTHS = 2.0**10
 """Range of the bands that are tried, each twice as wide as the last."""
 LEAST_HEIGHT = 0.1
 """Share of the largest excursion from the median: a level of rest is no top."""
 
 
-def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
-    """The flat tops of a channel (n,), upper and lower ones by themselves; `steps` (n,) as of `steps_of`."""
+def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real, noise: float | None = None) -> tuple[Fault, ...]:
+    """The flat tops of a channel (n,), upper and lower ones by themselves.
+
+    Args:
+        row: the samples.
+        rate_hz: their rate.
+        channel: its name.
+        steps: (n,) as of `steps_of`.
+        noise: standard deviation, where it is known as that of a force outside of its hit; None if not.
+    """
     ends, middle = (int(row.argmax()), int(row.argmin())), float(np.median(row))
     largest = max(abs(float(row[end]) - middle) for end in ends)
     found: list[Fault] = []
@@ -37,6 +47,8 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fau
         if height < LEAST_HEIGHT * largest or height == 0:
             continue
         runs = _cut_off(sign * row, sign * top, float(steps[end]), height)
+        if noise is not None and not runs.first.size:
+            runs = _within(sign * row, sign * top, float(steps[end]) + WITHIN * noise)
         if runs.first.size:
             what = f"flat {'tops' if sign > 0 else 'bottoms'} at {top:.6g}"
             found.append(Fault(channel, what, float(runs.first[0]) / rate_hz, int(runs.length.sum())))
@@ -53,9 +65,14 @@ def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
     widest = NOISY_TOPS * height + step
     band = max(step, widest / WIDTHS)
     while found.length.sum() < NOISY_LEAST and band <= widest:
-        found = _is_sharp(row, top, band, stretches_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
+        found = _within(row, top, band)
         band *= 2
     return found if found.length.sum() >= NOISY_LEAST else SampleRuns(found.first[:0], found.stop[:0])
+
+
+def _within(row: Real, top: float, band: float) -> SampleRuns:
+    """The tops that are flat within a band of noise."""
+    return _is_sharp(row, top, band, stretches_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
 
 
 def _is_crowded(row: Real, top: float, step: float) -> bool:
