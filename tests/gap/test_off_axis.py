@@ -66,16 +66,22 @@ def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> N
     np.testing.assert_allclose(measured.means_at(s).receptances, expected, rtol=1e-4)
 
 
-def test_what_leaking_lines_leave_open_is_stated() -> None:
-    """Under a window the lines of random records are means over their neighbours, which no model fits."""
-    s, coarse, fine = 2 * np.pi * np.array([21.4, 50.0, 68.3]) * (0.03 + 1j), np.arange(10.0, 95.0, 0.5), HZ
-    apart = (coarse[:, None] - fine) / 0.5
-    # A Hann window's own spectrum.
+def leaked(frf: Frf, noise: float, seed: int) -> Frf:
+    """Lines of random records under a Hann window: means over their neighbours, which no model fits."""
+    hz = np.arange(10.0, 95.0, 0.5)
+    apart = (hz[:, None] - frf.frequency_hz) / 0.5
     seen = np.abs(np.sinc(apart) + (np.sinc(apart - 1) + np.sinc(apart + 1)) / 2) ** 2
-    leaked = frfs(noise=1e-4, hz=coarse)
-    leaked.values[:] = frfs().values @ (seen / seen.sum(axis=1)[:, None]).T
+    values = frf.values @ (seen / seen.sum(axis=1)[:, None]).T
+    drawn = np.random.default_rng(seed).standard_normal((2, *values.shape)) * noise / np.sqrt(2)
+    known = np.full(values.shape, noise**2)
+    return replace(frf, frequency_hz=hz, values=values + drawn[0] + 1j * drawn[1], variance=known)
+
+
+def test_what_leaking_lines_leave_open_is_stated() -> None:
+    s = 2 * np.pi * np.array([21.4, 50.0, 68.3]) * (0.03 + 1j)
+    lines = leaked(frfs(), 1e-4, seed=0)
     other = model().model_copy(update={"frequency_hz": model().frequency_hz * np.array([1.001, 0.999, 1.001])})
-    sides = [MeasuredFrfs.of(leaked, m) for m in (model(), other)]
+    sides = [MeasuredFrfs.of(lines, m) for m in (model(), other)]
     one, two = (side.means_at(s) for side in sides if side is not None)
     stated = np.sqrt(np.einsum("lloi->loi", one.noise() + two.noise()).real)
     assert np.all(np.abs(one.receptances - two.receptances) < 3 * stated)
@@ -198,3 +204,15 @@ def test_a_structure_that_is_stiffer_as_a_whole_takes_along_what_no_model_has_of
     u[0] = np.log(faster**2) / free.deviations[0]
     assert free.share(0 * u) > 0.05
     assert free.share(u) < 0.005
+
+
+@pytest.mark.thorough("identifies and diagnoses")
+def test_noise_three_times_as_large_as_stated_is_no_gap() -> None:
+    """Of what lines are off by the order is known, the size is inferred."""
+    clean = frfs(hz=np.arange(10.0, 95.0, 0.25))
+    size = 0.1 * float(np.sqrt(np.mean(np.abs(clean.values) ** 2)))
+    stated = np.full(clean.values.shape, (size / 3) ** 2)
+    drawn = (np.random.default_rng(seed).standard_normal((2, *stated.shape)) * size / np.sqrt(2) for seed in (1, 2))
+    sides = tuple(replace(clean, values=clean.values + one + 1j * other, variance=stated) for one, other in drawn)
+    models = [identify_frf(of, rig(), IdentificationOptions())[0] for of in sides]
+    assert diagnose_by_model(models[0], models[1], rig(), frfs=sides).verdict == "no_gap"

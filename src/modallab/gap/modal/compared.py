@@ -84,6 +84,13 @@ class Compared:
         own = weights(self.model, self.bench, self.s, self.measured, self.noise, lines, along)
         return replace(self, weights=own)
 
+    def noisier(self, factor: float) -> "Compared":
+        """With noise of the measured FRFs larger by a factor; as it is where none were."""
+        if self.noise is None or factor == 1:
+            return self
+        noise = factor**2 * self.noise
+        return replace(self, noise=noise, weights=weights(self.model, self.bench, self.s, self.measured, noise))
+
     def thinned(self, lines: slice) -> "Compared":
         """On some of the lines."""
         s, measured = self.s[lines], self.measured[lines]

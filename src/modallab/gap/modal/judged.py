@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.arrays import Real
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import FittedExplanation, fit
+from modallab.gap.modal.free import Free
 from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import SUSPECTS, USUAL, Rung, departed, nameless, settled, unusual_rungs, usual
 from modallab.gap.modal.search import ModalSearch, best_first
@@ -68,7 +68,7 @@ def judged(search: ModalSearch) -> ModalVerdict:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    others = _of_channels(base, as_usual, nothing.free.wide) | nameless(nothing)
+    others = _of_channels(base, as_usual, nothing.free) | nameless(nothing)
     found = _weighed(base, nothing, names, others)
     if found.verdict == "no_gap":
         return _without_small(found)
@@ -88,9 +88,9 @@ def judged(search: ModalSearch) -> ModalVerdict:
     return _without_small(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_channels(base: FittedExplanation, as_usual: list[Rung], wide: Real | float) -> dict[str, FittedExplanation]:
+def _of_channels(base: FittedExplanation, as_usual: list[Rung], nothing: Free) -> dict[str, FittedExplanation]:
     """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
-    c, missed = base.free.of, np.mean(base.missed**2, axis=0)
+    c, wide, missed = nothing.of, nothing.wide, np.mean(base.missed**2, axis=0)
     rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
     found: dict[str, FittedExplanation] = {}
     for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist():

@@ -21,6 +21,8 @@ USUAL = (1.0, 0.25, 0.0625)
 """Scales of the structure in two tests of it, at most what is usual."""
 UNUSUAL = (4.0, 16.0, 64.0)
 """Scales of what has no name."""
+NOISES = (1.0, 2.0, 4.0)
+"""Scales of the noise of measured FRFs: of what models leave between the lines no more than the order is known."""
 TURNS = 2
 """Times that scales are inferred, and numbers fitted at them."""
 SUSPECTS = 2
@@ -32,7 +34,12 @@ Rung = tuple[Compared, Real | float]
 
 def usual(c: Compared) -> list[Rung]:
     """A comparison of two tests that differ as is usual."""
-    return [(c, x) for x in USUAL]
+    return [(one, x) for one in with_noises(c) for x in USUAL]
+
+
+def with_noises(c: Compared) -> list[Compared]:
+    """A comparison at each scale of the noise; alone where no FRFs were measured."""
+    return [c] if c.noise is None else [c.noisier(x) for x in NOISES]
 
 
 def nameless(fitted: FittedExplanation) -> dict[str, FittedExplanation]:
@@ -62,10 +69,14 @@ def settled(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplanati
 
 def departed(fitted: FittedExplanation, scales: Sequence[float], least: int = 0) -> FittedExplanation:
     """It where some numbers of the structure have larger scales than others: as few as the evidence says, or least."""
+    noises = with_noises(fitted.free.of)
     for _ in range(TURNS):
-        weighed = Linear.about(fitted).weighed(fitted.free.of.weights)
-        each = (_scales_of_their_own(weighed, usual, scales, least) for usual in USUAL)
-        fitted = _at(fitted, fitted.free.of, min(each, key=weighed.evidence))
+        linear, each = Linear.about(fitted), list[tuple[float, Compared, Real]]()
+        for own in noises:
+            weighed = linear.weighed(own.weights)
+            wide = (_scales_of_their_own(weighed, usual, scales, least) for usual in USUAL)
+            each += [(weighed.evidence(w), own, w) for w in wide]
+        fitted = _at(fitted, *min(each, key=lambda e: e[0])[1:])
     return fitted
 
 
