@@ -12,10 +12,13 @@ from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
+from modallab.gap.model.forward import forward
+from modallab.gap.model.residual_shares import unexplained
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
-from modallab.gap.search.fitting import Bench, excess, leaves_noise_only
+from modallab.gap.search.fitting import Bench, excess, within_tolerances
 from modallab.gap.search.laws import law_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
@@ -28,7 +31,7 @@ HELPS = 0.5
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Request:
-    """What `search_stepped` is request; its arguments."""
+    """The arguments of `search_stepped`; see there."""
 
     bench: Bench
     prepared: PreparedCampaign
@@ -69,7 +72,7 @@ def search_stepped(
     with part_of_progress(0.0, 0.4):
         levels = _stepped_rounds(request)
     first = request.judged(levels)
-    if _explains(first) and leaves_noise_only(bench, first.fit):
+    if _explains(first) and _nothing_more_matters(first.fit, unseen):
         return first
     with part_of_progress(0.4, 0.6):
         more = linear_beside_stepped(bench, levels[-1].fits[0]) if levels[-1].fits else None
@@ -100,6 +103,12 @@ def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Cho
         if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))
+
+
+def _nothing_more_matters(fit: Fit, unseen: Reduced) -> bool:
+    """Whether a fit leaves no more than the rig file tolerates, on a bench that is put together as benches are."""
+    left = unexplained(unseen, forward(twin_of(fit, unseen), unseen))
+    return within_tolerances(fit) and left < unseen.rig.tolerance.response
 
 
 def _explains(choice: Choice) -> bool:
