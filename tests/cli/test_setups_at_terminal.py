@@ -49,4 +49,4 @@ def test_where_no_key_can_come_it_says_so(tmp_path: Path) -> None:
         command(tmp_path), stdin=subprocess.DEVNULL, capture_output=True, text=True, cwd=tmp_path, check=False
     )
     assert done.returncode == 2
-    assert "no key can confirm it" in done.stderr
+    assert "no key can confirm the move" in done.stderr
