@@ -35,8 +35,7 @@ def best_along_beam(fit: Fit) -> Fit:
     """
     law = fit.problem.candidates[-1]
     power, names = search_of(law.effect).law.on_slowest, [s.name for s in law.slots]
-    if not power or len(law.slots[names.index("x")].starts) == 1:
-        # Without a place, or its place is one that overtones have shown.
+    if not power:
         return fit
     J = jacobian(fit.problem, fit.u, fit.residual, whole=True)
     first = len(fit.u) - len(law.slots)
