@@ -19,9 +19,9 @@ from twin_campaign import built, link  # noqa: E402
 
 from modallab.core.block import Campaign  # noqa: E402
 from modallab.core.diagnosis import Diagnosis  # noqa: E402
+from modallab.core.effect import OneChannel  # noqa: E402
 from modallab.core.effects import Effect  # noqa: E402
 from modallab.core.model import ModalModel  # noqa: E402
-from modallab.core.places import OneChannel  # noqa: E402
 from modallab.gap.diagnosis import diagnose  # noqa: E402
 from modallab.identification import IdentificationOptions  # noqa: E402
 from modallab.pipelines.identify import identify_campaign  # noqa: E402

@@ -27,8 +27,7 @@ from modallab.twin.elements import ELEMENTS, beam_matrices, shape_rows
 from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
 from modallab.twin.structure import TwinStructure
-from modallab.updating.prior import Prior
-from modallab.updating.result import UpdatedParameters
+from modallab.updating.result import Prior, UpdatedParameters
 
 Predict = Callable[[Mapping[str, float]], tuple[np.ndarray, np.ndarray]]
 FIRST_SEED = 9301

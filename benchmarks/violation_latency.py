@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.acquisition.process.machine_settings import raise_priority
+from modallab.acquisition.process.child import raise_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request

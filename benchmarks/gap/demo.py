@@ -11,8 +11,8 @@ from pathlib import Path
 from modallab.bench.loader import simulated_bench
 from modallab.cli.demo import demo_plans, demo_rig
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.effect import AlongBeam
 from modallab.core.errors import ModallabError
-from modallab.core.places import AlongBeam
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.words.verdicts import verdict_sentence

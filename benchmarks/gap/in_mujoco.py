@@ -18,7 +18,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.units import Test
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.export.forms import FORMS, measure_form
-from modallab.gap.report.shrinkage import closed_share
+from modallab.gap.report.measure import closed_share
 
 EFFECTS = ("clamp_rotation", "ground_spring", "local_damper", "added_mass", "stiffness_loss", "sensor_mass")
 

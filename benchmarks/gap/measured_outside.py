@@ -24,7 +24,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.frf.line_noise import variance_of
+from modallab.frf.estimate import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import frf_in_band, identify_frf
 from modallab.identification.options import IdentificationOptions

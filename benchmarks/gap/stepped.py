@@ -16,8 +16,8 @@ from typing import Any
 import yaml
 
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.effect import AlongBeam
 from modallab.core.effects import catalogue
-from modallab.core.places import AlongBeam
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnosis import diagnose
 

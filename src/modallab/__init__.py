@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
-    from modallab.core.documents.forces import ImpulseForce, RandomForce, SineForce, SweepForce
+    from modallab.core.documents.model_use import ImpulseForce, RandomForce, SineForce, SweepForce
     from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
     from modallab.modification.coupled import CouplingToStructure
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from modallab.notebook.recording import Recording, load, responses
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
-    from modallab.updating.prior import Prior
+    from modallab.updating.result import Prior
 
 __version__ = "0.1.0"
 
@@ -69,7 +69,7 @@ __all__ = [
 __getattr__ = lazy_getattr(
     __name__,
     {
-        "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
+        "core.documents.model_use": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
         "modification.attachments": ("Element", "RigidLink", "TunedAbsorber"),
         "modification.coupled": ("CouplingToStructure",),
         "notebook.model_behaviour": ("DeflectionShape", "ModelBehaviour"),
@@ -81,7 +81,7 @@ __getattr__ = lazy_getattr(
         "notebook.model": ("Model",),
         "notebook.identify": ("identify",),
         "notebook.model_comparison": ("ModelComparison", "CorrelatedModes", "UpdatedModel"),
-        "updating.prior": ("Prior",),
+        "updating.result": ("Prior",),
         "formats.fem.matrix_model": ("MatrixModel",),
         "notebook.recording": ("Recording", "load", "responses"),
         "notebook.driven_records": ("driven",),

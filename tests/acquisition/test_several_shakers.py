@@ -7,9 +7,8 @@ import pytest
 from scripted_bench import ScriptedBench
 from two_shakers import TIP, two_shakers
 
-from modallab.acquisition.procedures.broadband_checks import require_waves
+from modallab.acquisition.procedures.broadband_checks import drive_followed_by_each_force, require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
-from modallab.acquisition.procedures.driven_forces import drive_followed_by_each_force
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record
 from modallab.bench.capabilities import DrivesSeveralShakers

@@ -8,7 +8,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from modallab.acquisition.process.machine_settings import keep_awake
+from modallab.acquisition.process.child import keep_awake
 
 INHIBIT = """#!/bin/sh
 echo "$@" > "{log}"
@@ -58,7 +58,7 @@ def test_one_that_is_rejected_is_no_success(inhibitor: Path) -> None:
 
 def test_it_ends_with_the_process_however_that_ends(inhibitor: Path) -> None:
     code = (
-        "import os\nfrom modallab.acquisition.process.machine_settings import keep_awake\n"
+        "import os\nfrom modallab.acquisition.process.child import keep_awake\n"
         "import psutil\n"
         "with keep_awake():\n"
         "    print(psutil.Process().children()[0].pid, flush=True)\n"

@@ -129,7 +129,7 @@ def test_by_reciprocity_a_point_that_has_a_sensor_is_known_before_it_is_struck()
 
 
 def test_an_oblique_hit_after_good_ones_does_not_count(store: Store, link_rig: Rig, tmp_path: Path) -> None:
-    from modallab_simulators.cantilever.operator_line import ScriptedHit
+    from modallab_simulators.cantilever.hammer import ScriptedHit
 
     del tmp_path
     bench = open_bench(BENCH, link_rig)

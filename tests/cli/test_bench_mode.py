@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from modallab.cli.terminal_mode.keys import KeyMap
-from modallab.cli.terminal_mode.screen import LOOKS, big_letters, status_sentence
+from modallab.cli.terminal_mode.operator import LOOKS, big_letters, status_sentence
 from modallab.cli.terminal_mode.session_state import SessionState
 from modallab.cli.terminal_mode.tones import RATE_HZ, TONES, write_tone
 from modallab.core.documents.pages import EventView

@@ -13,11 +13,11 @@ from modallab.frf.estimate import lines_of_band, pre_trigger_level
 from modallab.frf.stepped import stepped_frf
 from modallab.signals.ac_coupling import undo_ac_coupling
 from modallab.signals.alignment import align_channels
-from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.faults.whole_channels import overloaded_channels
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.signals.signals import to_signals, to_signals_of
 from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_near
+from modallab.signals.transform import bandpass, remove_mean
 
 N, RATE = 512, 1000.0
 TIME = np.arange(N) / RATE

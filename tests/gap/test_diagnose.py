@@ -15,10 +15,10 @@ from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.gap.conditioning.split import split_held_out
+from modallab.gap.conditioning.records import split_held_out
 from modallab.gap.design.prediction import predict_records, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.gap.words.verdicts import verdict_sentence
 from modallab.signals.signals import to_signals
 

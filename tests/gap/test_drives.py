@@ -14,8 +14,8 @@ from modallab.core.errors import DataError
 from modallab.core.hold_out import MIXED
 from modallab.core.units import Broadband
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
+from modallab.gap.conditioning.records import split_held_out
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import weights_of
 from modallab.gap.report.measure import squared_residuals

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Campaign
+from modallab.core.effect import AllAlongBeam
 from modallab.core.effects import Effect
-from modallab.core.places import AllAlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.candidates import channel_candidates

@@ -11,8 +11,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.candidates import beam_candidates, channel_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated

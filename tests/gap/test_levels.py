@@ -7,8 +7,8 @@ from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.model.nuisances import nuisances
+from modallab.gap.report.harmonics import levels_differ
 from modallab.gap.report.initial_gap import TOP_HZ, problem_of_records
-from modallab.gap.report.levels import levels_differ
 
 CUBIC = Effect(effect="cubic_spring", parameters={"k3": 3e9}, place={"x": 0.6})
 HEAVY = Effect(effect="added_mass", parameters={"mass": 0.2}, place={"x": 0.9})

@@ -3,8 +3,8 @@
 import pytest
 from shear_frame import CLAMPS, ROLLERS, frf, model, rig
 
+from modallab.core.effect import BetweenPoints, NearPoint
 from modallab.core.modal_diagnosis import ModalDiagnosis
-from modallab.core.places import BetweenPoints, NearPoint
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.words.effects import with_numbers
 

@@ -10,9 +10,9 @@ from unsure import of_sensors, remaining_explanations
 
 from modallab.cli import main
 from modallab.core.block import Campaign
+from modallab.core.effect import AlongBeam
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError
-from modallab.core.places import AlongBeam
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.gap.design.experiments import DECIDES, Experiment, continue_campaign, next_experiments

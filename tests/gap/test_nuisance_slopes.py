@@ -6,8 +6,7 @@ from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import Nuisances, nuisances

@@ -3,9 +3,9 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from modallab.core.effect import AlongBeam, Place, PlaceOnStructure, place_as_shares, place_in_metres
 from modallab.core.effects import Effect, catalogue
 from modallab.core.field_errors import error_sentences
-from modallab.core.places import AlongBeam, Place, PlaceOnStructure, place_as_shares, place_in_metres
 
 STORED: list[dict[str, object]] = [
     {},

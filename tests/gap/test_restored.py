@@ -12,8 +12,8 @@ from modallab.core.effects import Effect
 from modallab.core.errors import DataError
 from modallab.core.hold_out import MIXED, SPREAD
 from modallab.core.rig import Rig, Tolerance
+from modallab.gap.conditioning.records import split_held_out
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.design.planned import nominal_weights
 from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Problem, evaluated

@@ -10,8 +10,7 @@ from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.candidates import beam_candidates, channel_candidates
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian

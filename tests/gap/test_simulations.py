@@ -21,11 +21,9 @@ from modallab.formats.rig.rig_file import write_rig
 from modallab.gap.design.prediction import predict_records, with_records
 from modallab.gap.export.chain import chain_of_structure
 from modallab.gap.export.forms import FORMS, FormError, measure_form, write_form
-from modallab.gap.export.mjcf import write_mjcf
-from modallab.gap.export.mujoco_run import mujoco_simulation
-from modallab.gap.export.state_space import state_space
-from modallab.gap.export.state_space_file import read_state_space
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.export.mjcf import mujoco_simulation, write_mjcf
+from modallab.gap.export.state_space import read_state_space, state_space
+from modallab.gap.model.forward import predict_record
 from modallab.gap.simulations.compare import (
     SimulationComparison,
     compare_simulation,

@@ -1,8 +1,8 @@
 """A diagnosis as a document, without a search."""
 
 from modallab.core.diagnosis import Diagnosis, FoundEffect, Gap, GapLocation, Shrinkage, TwinParameters, Verdict
+from modallab.core.effect import AlongBeam
 from modallab.core.effects import Effect, kind_of
-from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.twin.structure import MODES
 

@@ -5,7 +5,7 @@ import pytest
 from chain import BARE
 from scipy import signal
 
-from modallab.core.documents.forces import ForceKind, SineForce, SweepForce
+from modallab.core.documents.model_use import ForceKind, SineForce, SweepForce
 from modallab.core.errors import DataError
 from modallab.core.model import ScaleUncertainty
 from modallab.core.units import Quantity

@@ -40,8 +40,8 @@ from modallab.storage import Store
 from modallab.storage.imported import keep_campaign
 from modallab.twin.modes import solve_modes
 from modallab.twin.structure import MODES, TwinStructure
+from modallab_simulators.cantilever.beam import draw_damping
 from modallab_simulators.cantilever.bench import CantileverBench
-from modallab_simulators.cantilever.draw import draw_damping
 
 SEED = 1
 URL = f"sim://cantilever?seed={SEED}"

@@ -9,13 +9,13 @@ from twin_campaign import built, link
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import CandidateSet, Diagnosis, ResponseShare
+from modallab.core.effect import AlongBeam
 from modallab.core.effects import Effect
-from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.words.effects import place_of
 from modallab.gap.words.verdicts import verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
-from modallab.reporting.gap_page import typeset_sentence
+from modallab.reporting.gap_candidates import typeset_sentence
 from modallab.reporting.gap_report import render
 from modallab.reporting.markup import Bar, scaled_bars
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError
-from modallab.signals.bandpass import bandpass
+from modallab.signals.transform import bandpass
 
 RATE, N = 2000.0, 8192
 T = np.arange(N) / RATE

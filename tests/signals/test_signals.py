@@ -5,8 +5,8 @@ from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Beam, Channel, Point, Rig
 from modallab.core.units import STANDARD_GRAVITY
-from modallab.signals.bandpass import remove_mean
 from modallab.signals.signals import to_signals, to_signals_of
+from modallab.signals.transform import remove_mean
 
 COUNTS = np.array([[0, 100, 0, 0, 0, 0, 0, 0], [1, 2, 3, 4, 5, 6, 7, 8]], dtype=np.int16)
 

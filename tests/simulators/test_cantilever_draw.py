@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Rig, Tolerance
 from modallab_simulators.cantilever import open_bench
-from modallab_simulators.cantilever.draw import draw_beam, draw_clock, draw_damping
+from modallab_simulators.cantilever.beam import draw_beam, draw_clock, draw_damping
 
 
 def test_the_first_mode_is_off_the_lines_of_the_block(rig: Rig):

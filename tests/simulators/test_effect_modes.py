@@ -12,8 +12,7 @@ from modallab_simulators.cantilever.assembled import PreloadedModes
 from modallab_simulators.cantilever.attached import Absorber, AttachedModes, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import HALF_WIDTH, CrackedBeam, LocalStiffnessLoss
-from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
-from modallab_simulators.cantilever.side_modes import TorsionBar
+from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes, TorsionBar
 
 BEAM = CantileverBeam(0.887, 205e9 * 0.05 * 0.004**3 / 12, 7850 * 0.05 * 0.004, inf)
 EI, L, M = BEAM.bending_stiffness_n_m2, BEAM.length_m, BEAM.total_mass_kg

@@ -4,8 +4,8 @@ from importlib.resources import files
 
 import pytest
 
+from modallab.core.effect import OneChannel
 from modallab.core.effects import Effect
-from modallab.core.places import OneChannel
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.gap.conditioning.prepare import prepare_campaign

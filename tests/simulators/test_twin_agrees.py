@@ -15,13 +15,13 @@ from modallab.core.block import Block
 from modallab.core.effects import Effect, catalogue, kind_of
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
 from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import apply_effect, effect_models
 from modallab.twin.structure import MODES, TwinStructure
-from modallab_simulators.cantilever.draw import draw_damping
+from modallab_simulators.cantilever.beam import draw_damping
 from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
 
 

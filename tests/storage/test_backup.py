@@ -19,7 +19,7 @@ from modallab.jobs.leases import Leases
 from modallab.jobs.table import METADATA as JOBS_METADATA
 from modallab.storage import BlockNote, Recorder, Store
 from modallab.storage.backup import back_up, restore_backup
-from modallab.storage.retention import RetentionRule, find_removable, remove_samples
+from modallab.storage.campaigns import RetentionRule, find_removable, remove_samples
 from modallab.storage.tables import BLOCKS, RUNS
 
 

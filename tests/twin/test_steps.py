@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.twin.modes import solve_modes
 from modallab.twin.nonlinear import records
 from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw, couple_to_modes
-from modallab.twin.nonlinear.in_band import FineSteps
+from modallab.twin.nonlinear.records import FineSteps
 from modallab.twin.nonlinear.sampling import rising_sine
 from modallab.twin.nonlinear.steps import ModalSteps
 from modallab.twin.structure import TwinStructure

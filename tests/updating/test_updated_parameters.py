@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.updating.mode_data import ModeData
 from modallab.updating.posterior import update_parameters
-from modallab.updating.prior import Prior
+from modallab.updating.result import Prior
 
 N = 6
 

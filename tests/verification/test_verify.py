@@ -17,8 +17,7 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models, write_models
 from modallab.signals.signals import to_signals_of
 from modallab.verification.assessment import mismatch_warning
-from modallab.verification.replay import replayed_hit
-from modallab.verification.verify import frac, synthesised_frf, verify_frf, verify_impact
+from modallab.verification.verify import frac, replayed_hit, synthesised_frf, verify_frf, verify_impact
 
 BAND = (2.9, 400.0)
 

@@ -6,9 +6,8 @@ from math import inf
 
 from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import Absorber, Attachment
-from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
 from modallab_simulators.cantilever.cracked import LocalStiffnessLoss
-from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.feedback.elements import CrackElement, Drag, PointElement
 from modallab_simulators.cantilever.modes import Damper, Modes
 from modallab_simulators.cantilever.sensor import Sensor

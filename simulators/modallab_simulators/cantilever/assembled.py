@@ -10,15 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from modallab.core.arrays import Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Real, gauss_legendre
 from modallab.core.units import Test
 from modallab_simulators.cantilever.altered_bench import Element, StructureChanges
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, JoinedBasis, ModalBasis
-from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam
-from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.modes import Modes, SolvedModes, eigh
 
 

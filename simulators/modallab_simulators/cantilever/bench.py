@@ -12,12 +12,11 @@ from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, 
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
+from modallab_simulators.cantilever.beam import Stream, generator
 from modallab_simulators.cantilever.chain import outputs_of
-from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Hit, PlannedHit, draw_hit
+from modallab_simulators.cantilever.hammer import Hit, OperatorLine, PlannedHit, ScriptedHit, draw_hit
 from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
-from modallab_simulators.cantilever.operator_line import OperatorLine, ScriptedHit
 from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput, require_burst, require_wave
 from modallab_simulators.cantilever.stream import BenchAtOneRate, SampleStream
 from modallab_simulators.cantilever.truth import Truth, draw_truth

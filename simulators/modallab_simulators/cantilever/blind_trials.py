@@ -8,10 +8,10 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
+from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.effects import Effect, Parameter
-from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Converter, Rig
-from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.beam import Stream, generator
 from modallab_simulators.cantilever.effect_part import EffectPart, Ties
 from modallab_simulators.cantilever.effects import allowed, kinds, part_of
 from modallab_simulators.cantilever.injected_effects import inject_effects

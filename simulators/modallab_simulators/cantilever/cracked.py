@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Real, gauss_legendre
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.modes import SolvedModes, eigh
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 
+from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, rows_of
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
-from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, rows_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart

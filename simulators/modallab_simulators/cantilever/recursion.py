@@ -5,8 +5,7 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import Complex128, Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Complex128, Real, gauss_legendre
 from modallab_simulators.cantilever.sensor import Sensor
 
 _MAX_LOG = 300.0

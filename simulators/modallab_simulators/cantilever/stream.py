@@ -12,8 +12,8 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.basis import Basis
+from modallab_simulators.cantilever.beam import Stream, generator
 from modallab_simulators.cantilever.chain import Chain, Hum, RandomErrors, outputs_of
-from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.drifting_structure import DriftingStructure
 from modallab_simulators.cantilever.excitation import Excitation, Floor
 from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, ContactPulse

@@ -20,8 +20,8 @@ from modallab.core.plan import BLOCK_S, PAPER_LINES
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import SessionConditions, Settings
+from modallab_simulators.cantilever.beam import draw_damping
 from modallab_simulators.cantilever.bench import CantileverBench
-from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected_effects import effect_in_truth, inject_effects
 from modallab_simulators.cantilever.truth import Truth

@@ -18,8 +18,15 @@ from modallab_simulators.cantilever.altered_bench import SIDE_ZETA, AlteredBench
 from modallab_simulators.cantilever.assembled import beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, ModalBasis, TruncatedBasis
-from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.draw import Stream, TrueBeam, draw_beam, draw_clock, draw_damping, generator
+from modallab_simulators.cantilever.beam import (
+    CantileverBeam,
+    Stream,
+    TrueBeam,
+    draw_beam,
+    draw_clock,
+    draw_damping,
+    generator,
+)
 from modallab_simulators.cantilever.injected_effects import InjectedEffects, inject_effects
 from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
 

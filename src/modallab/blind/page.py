@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from modallab.blind.outcome import BlindOutcome, EffectOutcome, OutcomeFigure, ShrinkageOutcome
 from modallab.core.digits import part_of, percent_text
-from modallab.reporting.gap_page import captioned_picture, page_section, whole_page
+from modallab.reporting.gap_candidates import captioned_picture, page_section, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 
 SIDE = 320

@@ -26,7 +26,7 @@ from modallab.core.progress import part_of_progress, report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_on_held_out, gap_outside_revisions, gap_without_effects
-from modallab.gap.report.shrinkage import BARE, closed_share
+from modallab.gap.report.measure import BARE, closed_share
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.twin.effects import model_of
 

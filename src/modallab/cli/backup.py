@@ -12,8 +12,8 @@ from modallab.core.events import RunState
 from modallab.jobs.table import METADATA as JOBS
 from modallab.storage import Store
 from modallab.storage.backup import CopiedData, back_up, restore_backup
+from modallab.storage.campaigns import RetentionRule, find_removable, remove_samples
 from modallab.storage.engine import ADDRESS, DATABASE
-from modallab.storage.retention import RetentionRule, find_removable, remove_samples
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ import argparse
 
 from modallab.cli.model_behaviour import (
     frf,
+    prepare_model,
     response,
     show_nodes,
     show_participation,
@@ -12,7 +13,6 @@ from modallab.cli.model_behaviour import (
     state_space,
 )
 from modallab.cli.model_change import absorber, compare, couple, free_band, modify, tune, update
-from modallab.cli.model_input import prepare_model
 from modallab.formats.rig.rig_file import read_rig
 
 

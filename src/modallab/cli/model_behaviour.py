@@ -1,6 +1,7 @@
 """`modallab model`: what a model predicts, which modes make a response, what the motion looks like."""
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,21 +9,26 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
+from modallab.core.documents.model_use import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
 from modallab.core.errors import ConfigurationError, DataError, StorageError
-from modallab.core.model import Verification
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
-from modallab.core.units import Quantity
+from modallab.core.units import Quantity, Test
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.frf_file import rig_of, write_frf
 from modallab.formats.prediction import read_columns, write_motion
+from modallab.formats.rig.rig_file import read_rig
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
-from modallab.modification.freedoms import freedoms_of
+from modallab.modification.freedoms import freedoms_of, with_points
 from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.known import KnownStructure
 from modallab.modification.motion import MotionOverTime, force_samples
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import read_models
 from modallab.reporting.behaviour_table import (
     advice_of,
     deflection_rows,
@@ -32,7 +38,8 @@ from modallab.reporting.behaviour_table import (
     participation_rows,
     reduction_rows,
 )
-from modallab.verification.reduction import reduction_of
+from modallab.reporting.waiting_line import waiting_line
+from modallab.verification.comparison import reduction_of
 
 
 def frf(known: KnownStructure, arguments: argparse.Namespace) -> None:
@@ -169,3 +176,43 @@ def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
 def _write(arguments: argparse.Namespace, document: dict[str, Any]) -> None:
     if arguments.json is not None:
         write_json(arguments.json, document)
+
+
+def prepare_model(
+    path: Path, rig: Rig | None, test: Test | None, *, progress: bool
+) -> tuple[KnownStructure, Verification | None]:
+    """A model ready for use, and what it was compared with where there is anything.
+
+    Args:
+        path: models, or a campaign to identify.
+        rig: instead of that inside or beside it.
+        test: whose model; None for the first.
+        progress: whether to show that it is identified.
+
+    Raises:
+        DataError: there is no model of the test, or nothing to read.
+    """
+    if path.suffix == ".json":
+        return KnownStructure(_choose_model(read_models(path), test), rig or _rig_beside(path)), None
+    campaign = read_campaign(path, rig)
+    # The others take as long, and nobody asked for them; hits are the first.
+    asked = test or "impact"
+    only = asked if campaign.of(asked) else None
+    with waiting_line("identifying", progress=progress):
+        result = identify_campaign(campaign, IdentificationOptions(), only)
+    model = _choose_model([item.model for item in result.identified], test)
+    verification = next(item.verification for item in result.identified if item.model is model)
+    return KnownStructure(with_points(model, campaign.rig), campaign.rig), verification
+
+
+def _rig_beside(path: Path) -> Rig | None:
+    near = path.with_name("rig.yaml")
+    return read_rig(near) if near.exists() else None
+
+
+def _choose_model(models: tuple[ModalModel, ...] | list[ModalModel], test: str | None) -> ModalModel:
+    fitting = [m for m in models if test in (None, m.test)]
+    if not fitting:
+        there = ", ".join(str(m.test) for m in models) or "none"
+        raise DataError(f"there is no model of {'a' if test is None else test} test", remedy=f"there are: {there}")
+    return fitting[0]

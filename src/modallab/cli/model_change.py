@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.cli.model_input import prepare_model
+from modallab.cli.model_behaviour import prepare_model
 from modallab.core.errors import ConfigurationError, StorageError
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
@@ -36,7 +36,7 @@ from modallab.reporting.modification_table import (
     updated_mode_rows,
 )
 from modallab.updating.correlation import ModelCorrelation, correlate_models
-from modallab.updating.prior import Prior
+from modallab.updating.result import Prior
 
 
 def modify(known: KnownStructure, arguments: argparse.Namespace) -> None:

@@ -13,7 +13,6 @@ with Client("http://127.0.0.1:8000", token="...") as lab:
 """
 
 from modallab.client.client import Client
-from modallab.client.connection import ServiceProblemError
-from modallab.client.held_lease import HeldLease
+from modallab.client.connection import HeldLease, ServiceProblemError
 
 __all__ = ["Client", "HeldLease", "ServiceProblemError"]

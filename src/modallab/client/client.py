@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
-from modallab.client.connection import AGAIN_S, require_good
-from modallab.client.held_lease import HeldLease
+from modallab.client.connection import AGAIN_S, HeldLease, require_good
 from modallab.client.queue_and_user_calls import QueueCalls, UserCalls
 from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page

@@ -6,10 +6,9 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from modallab.core.budget import Budget
-from modallab.core.effect import Alternative, LearnedElement
+from modallab.core.effect import Alternative, LearnedElement, Place, place_as_shares
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
-from modallab.core.places import Place, place_as_shares
 from modallab.core.versions import DIAGNOSIS
 
 Verdict = Literal["no_gap", "known", "unknown"]

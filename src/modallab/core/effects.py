@@ -11,9 +11,8 @@ from types import MappingProxyType
 from typing import Literal, cast, get_args
 
 from modallab.core.discovery import installed_entry_points
-from modallab.core.effect import Effect
+from modallab.core.effect import AllAlongBeam, AllChannels, AlongBeam, Effect, FixedPlace, NoPlace, OneChannel, Place
 from modallab.core.errors import FormatError
-from modallab.core.places import AllAlongBeam, AllChannels, AlongBeam, FixedPlace, NoPlace, OneChannel, Place
 from modallab.core.rig import Beam, Rig
 from modallab.core.units import Test
 

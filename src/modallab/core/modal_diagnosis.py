@@ -5,9 +5,9 @@ from typing import Literal
 from pydantic import Field
 
 from modallab.core.diagnosis import CandidateSet, Verdict
+from modallab.core.effect import PlaceOnStructure
 from modallab.core.effects import Stage
 from modallab.core.frozen import Frozen
-from modallab.core.places import PlaceOnStructure
 from modallab.core.versions import MODAL_DIAGNOSIS
 
 

@@ -17,28 +17,32 @@ from modallab.core.diagnosis import (
     Verdict,
 )
 from modallab.core.digits import percent_text
+from modallab.core.effect import place_in_metres
 from modallab.core.effects import kind_of
-from modallab.core.places import place_in_metres
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import ONE_LEVEL, PreparedCampaign
 from modallab.gap.conditioning.records import records_as_recorded
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.residual_shares import discrepancies, relative_residuals
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.budget import budget_of_gap
 from modallab.gap.report.calibrated import calibrated_twin
-from modallab.gap.report.contradictions import contradiction_sentences
+from modallab.gap.report.contradictions import contradiction_sentences, next_experiment
 from modallab.gap.report.effect_inspection import is_in_revisions, noise_share_of_response
 from modallab.gap.report.gap_location import gap_location
 from modallab.gap.report.initial_gap import squares_as_recorded
 from modallab.gap.report.locate import ResidualTestsResult
-from modallab.gap.report.measure import band_of, nearest_mode, shares_by_frequency, squared_residuals
-from modallab.gap.report.next_step import next_experiment
-from modallab.gap.report.shrinkage import closed_share, shrinkage_with_interval
+from modallab.gap.report.measure import (
+    band_of,
+    closed_share,
+    nearest_mode,
+    shares_by_frequency,
+    shrinkage_with_interval,
+    squared_residuals,
+)
 from modallab.gap.search.choose import Choice, probabilities
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals

@@ -11,12 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
 
 from modallab.core.errors import StorageError
-from modallab.jobs.attempt import Attempt
+from modallab.jobs.attempt import TOPIC, Attempt
 from modallab.jobs.cluster import Cluster, TlsFiles, check_address, default_workers
 from modallab.jobs.job import Kind
 from modallab.jobs.jobs import Jobs
 from modallab.jobs.leases import LEASE_S, LeasedJob, Leases
-from modallab.jobs.task import TOPIC
 
 Status = Literal["stopped", "connecting", "running"]
 

@@ -12,8 +12,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart
-from modallab.modification.conditioning import conditioning_of
-from modallab.modification.coupled import CouplingToStructure
+from modallab.modification.coupled import CouplingToStructure, conditioning_of
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import MeasuredPairs, frf_between
 from modallab.modification.modified import ModesAfter, modified_modes, residues_of

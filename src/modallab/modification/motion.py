@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from modallab.core.arrays import Real
-from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
+from modallab.core.documents.model_use import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
 from modallab.core.errors import DataError
 from modallab.core.units import Quantity
 from modallab.modification.known import KnownStructure

@@ -15,7 +15,7 @@ from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
 from modallab.notebook.display import DisplayedResult
 from modallab.reporting.behaviour_table import deflection_rows, node_rows, participation_rows, reduction_rows
-from modallab.verification.reduction import ModelReduction, reduction_of
+from modallab.verification.comparison import ModelReduction, reduction_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,8 +15,7 @@ from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.behaviour_table import correlation_rows
 from modallab.reporting.modification_table import parameter_rows, updated_mode_rows
 from modallab.updating.correlation import ModelCorrelation, correlate_models
-from modallab.updating.prior import Prior
-from modallab.updating.result import UpdatedParameters
+from modallab.updating.result import Prior, UpdatedParameters
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from pydantic import BaseModel
 
 from modallab.core.arrays import Real
-from modallab.core.documents.forces import ForceKind
+from modallab.core.documents.model_use import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity

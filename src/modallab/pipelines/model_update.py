@@ -16,8 +16,7 @@ from modallab.modification.known import KnownStructure
 from modallab.updating.beam_model import BeamModel, Predictor, predictor_of_matrices
 from modallab.updating.mode_data import measured_modes
 from modallab.updating.posterior import update_parameters
-from modallab.updating.prior import Prior
-from modallab.updating.result import UpdatedParameters
+from modallab.updating.result import Prior, UpdatedParameters
 
 PREDICT, PRIORS = "predict", "priors"
 """Names in a Python file that is a model."""

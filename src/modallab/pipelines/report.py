@@ -18,8 +18,8 @@ from modallab.pipelines.curves import diagram_of
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest, UnidentifiedTest, usable_blocks
 from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
 from modallab.reporting.figures.mode_shapes import example_block
-from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.signals import Signals, to_signals
+from modallab.signals.transform import bandpass, remove_mean
 
 PAPER_BAND = (3.0, 110.0)
 """The paper's band-pass: its three lowest bending modes."""

@@ -12,7 +12,7 @@ from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.modification_table import TableRows
 from modallab.updating.correlation import ModelCorrelation
-from modallab.verification.reduction import ModelReduction
+from modallab.verification.comparison import ModelReduction
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""

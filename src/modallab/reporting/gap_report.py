@@ -6,8 +6,8 @@ from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import Diagnosis, FoundEffect, ResponseShare
 from modallab.core.digits import part_of, probability_text, three_digits
+from modallab.core.effect import x_m_of
 from modallab.core.effects import kind_of
-from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
@@ -16,8 +16,16 @@ from modallab.gap.words.learned import numbers_of_description
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
-from modallab.reporting.gap_candidates import candidates_section, closed_bar, residual_section, shrink_section
-from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
+from modallab.reporting.gap_candidates import (
+    candidates_section,
+    captioned_picture,
+    closed_bar,
+    page_section,
+    residual_section,
+    shrink_section,
+    typeset_sentence,
+    whole_page,
+)
 from modallab.reporting.markup import Bar, Markup, html_element, html_table, scaled_bars
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure

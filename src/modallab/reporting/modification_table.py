@@ -19,8 +19,7 @@ from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint, FreeB
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import ModesAfter
 from modallab.modification.structure import At
-from modallab.updating.prior import Prior
-from modallab.updating.result import UpdatedParameters
+from modallab.updating.result import Prior, UpdatedParameters
 
 SAME = 0.5
 """MAC above which a mode after a change is called by the number of the one before."""

@@ -9,8 +9,7 @@ from modallab.formats.atomic import write_text
 from modallab.gap.simulations.compare import SimulationComparison
 from modallab.gap.words.effects import parameter_in_words, place_of
 from modallab.gap.words.verdicts import sentence_of_simulation
-from modallab.reporting.gap_candidates import channel_bars
-from modallab.reporting.gap_page import page_section, whole_page
+from modallab.reporting.gap_candidates import channel_bars, page_section, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.twin.effects import model_of
 

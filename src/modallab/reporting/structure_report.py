@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from modallab.core.digits import percent_text, probability_text, significant_digits
+from modallab.core.effect import NamedChannel
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
-from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import ComparisonOutcome
@@ -18,7 +18,7 @@ from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import BarRow, BarScale, log_bars
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
-from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
+from modallab.reporting.gap_candidates import captioned_picture, page_section, typeset_sentence, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
 

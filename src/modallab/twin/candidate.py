@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.core.effect import NO_PLACE, AlongBeam, Place
 from modallab.core.effects import Effect
-from modallab.core.places import NO_PLACE, AlongBeam, Place
 from modallab.twin.elements import ELEMENTS
 
 Transform = Literal["log", "plain", "share"]

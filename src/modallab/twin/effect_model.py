@@ -6,8 +6,8 @@ from enum import Enum
 from math import inf
 from typing import Literal
 
+from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.effects import Effect, EffectKind
-from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect, FreeNumber

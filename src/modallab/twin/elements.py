@@ -5,8 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from modallab.core.arrays import Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Real, gauss_legendre
 
 ELEMENTS = 40
 """Hermite elements; points at tenths of the length are nodes."""

@@ -16,7 +16,7 @@ from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
 from modallab.twin.structure import ROOT, TwinStructure, root_of_rig_file
 from modallab.updating.elements import shapes_at
-from modallab.updating.prior import Prior
+from modallab.updating.result import Prior
 
 Predictor = Callable[[Mapping[str, float]], tuple[Real, Real]]
 """Numbers by name -> (modes,) Hz and (modes, freedoms) shapes at unit modal mass, kg^-1/2."""

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from modallab.core.effect import TwoChannels
 from modallab.core.effects import Effect
-from modallab.core.places import TwoChannels
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart

@@ -5,10 +5,9 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench, SideFamily
-from modallab_simulators.cantilever.draw import TrueBeam
+from modallab_simulators.cantilever.beam import TrueBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
-from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.side_modes import TorsionBar
+from modallab_simulators.cantilever.modes import Modes, TorsionBar
 
 
 def _modes(true: TrueBeam, width_m: float) -> Modes:

@@ -5,8 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from modallab.core.arrays import Complex128, Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Complex128, Real, gauss_legendre
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.cracked import HALF_WIDTH

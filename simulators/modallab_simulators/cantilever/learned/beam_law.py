@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from modallab.core.arrays import gauss_legendre
 from modallab.core.effects import Effect, EffectKind, Parameter
-from modallab.core.quadrature import gauss_legendre
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.attached import Attachment

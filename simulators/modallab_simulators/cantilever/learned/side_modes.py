@@ -8,11 +8,9 @@ from math import inf, pi
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench, SideFamily
-from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.draw import TrueBeam
+from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
 from modallab_simulators.cantilever.effect_part import EffectPart
-from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.side_modes import SingleMode, TorsionBar
+from modallab_simulators.cantilever.modes import Modes, SingleMode, TorsionBar
 
 LOWEST = 3.5160152685
 """(beta L)^2 of a cantilever's first mode."""

@@ -9,8 +9,7 @@ from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import fields_of
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.max_config import Section, numbers
-from modallab_simulators.ni_daqmx_server.names import ZEROS
-from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.status import ZEROS, StatusError
 from modallab_simulators.ni_daqmx_server.systems import X_SERIES
 from modallab_simulators.ni_daqmx_server.task_start import kind_of
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task

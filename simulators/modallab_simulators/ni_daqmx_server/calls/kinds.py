@@ -3,8 +3,7 @@
 import re
 from typing import Any
 
-from modallab_simulators.ni_daqmx_server.names import kind_of
-from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.status import StatusError, kind_of
 
 _RANGE = re.compile(r"(?P<stem>.*?)(?P<first>\d+):(?:.*?)(?P<last>\d+)")
 BAD_RANGE = -200498

@@ -8,7 +8,7 @@ from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, ex
 from modallab.acquisition.monitor.context import BufferedBlock, RunContext
 from modallab.acquisition.monitor.run_states import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
-from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
+from modallab.acquisition.procedures.broadband_checks import DrivenForces, driven_points, over_limits
 from modallab.acquisition.procedures.broadband_wave import (
     WaveLayout,
     blocks_a_wave,
@@ -17,7 +17,6 @@ from modallab.acquisition.procedures.broadband_wave import (
     peak_v,
     waves_of,
 )
-from modallab.acquisition.procedures.driven_forces import DrivenForces
 from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real

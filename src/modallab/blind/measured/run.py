@@ -17,7 +17,7 @@ from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
-from modallab.frf.line_noise import variance_of
+from modallab.frf.estimate import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions

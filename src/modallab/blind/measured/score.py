@@ -7,9 +7,9 @@ import numpy as np
 
 from modallab.blind.measured.draw import AppliedEffect
 from modallab.blind.outcome import OutcomeFigure
+from modallab.core.effect import BetweenPoints, EveryOutput, NamedChannel, PlaceOnStructure
 from modallab.core.frozen import Frozen
 from modallab.core.modal_diagnosis import ModalDiagnosis
-from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, PlaceOnStructure
 
 SIZE = 0.1
 """Relative error up to which a size is right; of a gain that of its distance from 1."""

@@ -15,8 +15,7 @@ from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.gap.conditioning.rows import ImpactData, Piece, rows_of
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import ImpactData, Piece, Weights, rows_of
 from modallab.signals.signals import to_signals
 from modallab.twin.response import AveragedFrfs
 

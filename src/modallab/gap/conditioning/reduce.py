@@ -17,8 +17,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.drive_rows import group_drives, reduce_drive
-from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, rows_of
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, Weights, rows_of
 from modallab.signals.hit import HitSamples
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at

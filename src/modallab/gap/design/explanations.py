@@ -12,10 +12,9 @@ from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, PlanError
 from modallab.core.hold_out import SPREAD
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
+from modallab.gap.conditioning.records import split_held_out
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import split_held_out
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances

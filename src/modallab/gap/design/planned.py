@@ -14,8 +14,7 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import AFTER_S, BEFORE_S, IMPACT_BAND, NEIGHBOURS
-from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, rows_of
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, Weights, rows_of
 from modallab.gap.model.fit import GENERATOR
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import nuisances

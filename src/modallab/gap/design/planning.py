@@ -10,8 +10,8 @@ from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.gap.conditioning.records import one_third_of
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import one_third_of
 from modallab.gap.design.explanations import (
     Explanation,
     RecordsSoFar,

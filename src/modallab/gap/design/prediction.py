@@ -8,14 +8,13 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.effect import Effect
+from modallab.core.effect import Effect, OneChannel
 from modallab.core.effects import row_of
 from modallab.core.errors import DataError
-from modallab.core.places import OneChannel
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.gap.report.calibrated import diagnosed_twin, effects_for_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si

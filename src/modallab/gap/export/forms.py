@@ -19,13 +19,11 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.design.prediction import Records, predict_records
-from modallab.gap.export.mjcf import write_mjcf
+from modallab.gap.export.mjcf import mujoco_simulation, write_mjcf
 from modallab.gap.export.modal_file import read_modal, write_modal
-from modallab.gap.export.mujoco_run import mujoco_simulation
-from modallab.gap.export.state_space import state_space
-from modallab.gap.export.state_space_file import read_state_space, write_state_space
+from modallab.gap.export.state_space import read_state_space, state_space, write_state_space
 from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
-from modallab.gap.report.shrinkage import BARE, closed_share
+from modallab.gap.report.measure import BARE, closed_share
 from modallab.gap.simulations.simulated_records import Simulate, simulated_records, simulation_residual
 from modallab.twin.bench import Twin
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.diagnosis import CandidateSet
+from modallab.core.effect import BetweenPoints, EveryOutput, NamedChannel, NearPoint, PlaceOnStructure
 from modallab.core.effects import kind_of
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
-from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, NearPoint, PlaceOnStructure
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared

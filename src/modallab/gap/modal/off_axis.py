@@ -17,7 +17,7 @@ from scipy import sparse
 from modallab.core.arrays import Complex, Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
-from modallab.frf.line_noise import variance_of
+from modallab.frf.estimate import variance_of
 from modallab.gap.modal.point_models import PointModels
 from modallab.identification.frf_model import frf_in_band
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
+from modallab.core.effect import RowsOfPlace, rows_of
 from modallab.core.effects import Effect
-from modallab.core.places import RowsOfPlace, rows_of
 from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances

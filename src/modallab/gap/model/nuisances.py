@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.core.effect import RowsOfPlace
 from modallab.core.errors import RigError
-from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import (
     Departed,

@@ -6,9 +6,9 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.diagnosis import CandidateSet, TwinParameters
+from modallab.core.effect import AlongBeam, TwoChannels, rows_of
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
-from modallab.core.places import AlongBeam, TwoChannels, rows_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.candidates import beam_candidates, channel_candidates, pair_candidates
 from modallab.gap.model.fit import Problem

@@ -11,10 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from modallab.core.arrays import Real
+from modallab.core.arrays import Real, gauss_legendre
 from modallab.core.budget import Budget, BudgetRow, Division
 from modallab.core.digits import percent_text
-from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian

@@ -11,12 +11,12 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.diagnosis import FoundEffect
+from modallab.core.effect import AllChannels, FixedPlace, OneChannel, Place, rows_of
 from modallab.core.effects import kind_of, row_of
-from modallab.core.places import AllChannels, FixedPlace, OneChannel, Place, rows_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
 from modallab.gap.conditioning.prepare import ORDINARY_HUM, PreparedCampaign
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.bench import Twin
 from modallab.twin.response import base_transmission

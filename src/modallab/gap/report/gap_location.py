@@ -4,13 +4,12 @@ from collections.abc import Sequence
 
 from modallab.core.diagnosis import FoundEffect, GapLocation, Verdict
 from modallab.core.digits import part_of
+from modallab.core.effect import rows_of, x_m_of
 from modallab.core.effects import Stage, kind_of
-from modallab.core.places import rows_of, x_m_of
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import ResidualTestsResult
-from modallab.gap.report.measure import band_of, share_within, shares_by_frequency
-from modallab.gap.report.shrinkage import closed_share
+from modallab.gap.report.measure import band_of, closed_share, share_within, shares_by_frequency
 from modallab.gap.search.choose import Choice
 
 MOSTLY = 0.8

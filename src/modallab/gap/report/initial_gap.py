@@ -8,11 +8,9 @@ from modallab.core.block import Block, Campaign
 from modallab.core.hold_out import HoldOut
 from modallab.gap.conditioning.overtones import harmonics_of_sines
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
-from modallab.gap.conditioning.records import records_as_recorded
+from modallab.gap.conditioning.records import records_as_recorded, split_held_out
 from modallab.gap.conditioning.reduce import reduce_blocks, sine_clock, thin_lines
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import split_held_out
-from modallab.gap.conditioning.weights import Weights
+from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.identified import identified
 from modallab.gap.inference.settings import DEFAULT

@@ -17,8 +17,7 @@ from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_rows, row_frequencies_hz
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
-from modallab.gap.report.harmonics import OFTEN, harmonic_shares
-from modallab.gap.report.levels import levels_differ
+from modallab.gap.report.harmonics import OFTEN, harmonic_shares, levels_differ
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import COARSEST_ERROR, Bench, excess
 from modallab.twin.modes import solve_modes

@@ -3,9 +3,8 @@
 from datetime import date
 
 from modallab.core.diagnosis import Diagnosis, FoundEffect
-from modallab.core.effect import Effect, Revision
+from modallab.core.effect import Effect, OneChannel, Revision
 from modallab.core.errors import DataError, RigError
-from modallab.core.places import OneChannel
 from modallab.core.rig import Rig
 
 

@@ -13,13 +13,13 @@ from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
-from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise, near_floor
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
+from modallab.gap.model.twin_of_fit import with_drift_curve
 from modallab.twin.candidate import CandidateEffect
 
 COARSEST_ERROR = 0.3

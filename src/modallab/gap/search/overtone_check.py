@@ -13,7 +13,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.reduce import sine_clock
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin

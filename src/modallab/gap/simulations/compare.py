@@ -14,16 +14,16 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.digits import relative_change
+from modallab.core.effect import rows_of, x_m_of
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.hold_out import MIXED, HoldOut
-from modallab.core.places import rows_of, x_m_of
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.noise import noise_of_rig_file
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.design.prediction import Records, predict_records, with_records
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.shrinkage import BARE, closed_share
+from modallab.gap.report.measure import BARE, closed_share
 from modallab.gap.simulations.simulated_records import simulation_residual
 
 SEED = 20240502

@@ -6,9 +6,8 @@ from typing import cast
 import numpy as np
 
 from modallab.core.diagnosis import GapDescription, Shrinkage
-from modallab.core.effect import Alternative
+from modallab.core.effect import Alternative, x_m_of
 from modallab.core.effects import Stage
-from modallab.core.places import x_m_of
 from modallab.core.progress import report_progress
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import PreparedCampaign
@@ -16,8 +15,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.locate import ResidualTestsResult
-from modallab.gap.report.measure import squared_residuals
-from modallab.gap.report.shrinkage import shrinkage_with_interval
+from modallab.gap.report.measure import shrinkage_with_interval, squared_residuals
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.effect import LearnedElement
-from modallab.core.places import OneChannel, place_in_metres
+from modallab.core.effect import LearnedElement, OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, cost_with_price
 from modallab.gap.search.intervals import intervals

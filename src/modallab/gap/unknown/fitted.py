@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.places import NO_PLACE, Place
+from modallab.core.effect import NO_PLACE, Place
 from modallab.gap.model.fit import Fit, cost_of, cost_with_price
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSEST_ERROR, Bench, finish, misfit, short_fit

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from modallab.core.places import AllAlongBeam, AllChannels
+from modallab.core.effect import AllAlongBeam, AllChannels
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
 from modallab.gap.unknown.fitted import Trial, element

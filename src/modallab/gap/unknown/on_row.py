@@ -7,8 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block
-from modallab.core.effect import LearnedElement
-from modallab.core.places import OneChannel
+from modallab.core.effect import LearnedElement, OneChannel
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced

@@ -9,7 +9,7 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.design.prediction import clock_of
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.bench import Twin

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 from modallab.core.diagnosis import FoundEffect
 from modallab.core.digits import list_in_words, one_digit, probability_text, with_interval
-from modallab.core.effects import Parameter, kind_of
-from modallab.core.modal_diagnosis import FoundChange
-from modallab.core.places import (
+from modallab.core.effect import (
     AllChannels,
     AlongBeam,
     BetweenPoints,
@@ -16,6 +14,8 @@ from modallab.core.places import (
     rows_of,
     x_m_of,
 )
+from modallab.core.effects import Parameter, kind_of
+from modallab.core.modal_diagnosis import FoundChange
 from modallab.twin.effects import model_of
 
 FIXED = {

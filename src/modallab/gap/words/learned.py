@@ -6,9 +6,8 @@ from functools import partial
 
 from modallab.core.diagnosis import GapDescription
 from modallab.core.digits import percent_text, with_interval
-from modallab.core.effect import LearnedElement
+from modallab.core.effect import AllChannels, LearnedElement, OneChannel, x_m_of
 from modallab.core.effects import Parameter
-from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
 from modallab.twin.effects import model_of
 

@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from modallab.core.arrays import Real
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
-from modallab.frf.line_noise import variance_by_coherence
+from modallab.frf.estimate import variance_by_coherence
 from modallab.identification.likelihood.basis import RESIDUAL_POWERS, STAND_INS, LineBlock, with_stand_ins
 from modallab.identification.likelihood.excitation import BlockLines, Excitation, UnitExcitation
 from modallab.identification.likelihood.fit import LikelihoodFit

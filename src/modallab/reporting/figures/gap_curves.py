@@ -15,7 +15,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.rig import Channel
 from modallab.core.units import SI_UNIT
-from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.model.forward import predict_record
 from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
 from modallab.reporting.figures import style
 from modallab.signals.hit import windowed_force

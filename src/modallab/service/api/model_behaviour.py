@@ -22,8 +22,7 @@ from modallab.service.api.request_context import Motion, OfTest, ServiceOf
 from modallab.service.api.router import make_router
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
-from modallab.service.jobs.known_structures import known_of_campaign, model_of_campaign
-from modallab.service.jobs.results import curves_of_campaign
+from modallab.service.jobs.results import curves_of_campaign, known_of_campaign, model_of_campaign
 
 router = make_router("model-use")
 At = Annotated[int, Query(ge=1, description="Point of the force.")]
@@ -96,7 +95,7 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
 @router.get("/campaigns/{campaign}/model/reduction", responses=documented_responses(404))
 def get_reduction(campaign: str, service: ServiceOf, test: OfTest = None) -> ReductionView:
     """Count of the values in the measured FRFs and in the model, and the error of each pair."""
-    from modallab.verification.reduction import reduction_of
+    from modallab.verification.comparison import reduction_of
 
     one = model_of_campaign(service, campaign, test)
     _, measured, regenerated = _measured_of(service, campaign, one.model.test)

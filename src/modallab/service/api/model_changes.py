@@ -30,7 +30,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.router import make_router
 from modallab.service.context import Service
-from modallab.service.jobs.known_structures import known_of_campaign, model_of_campaign
+from modallab.service.jobs.results import known_of_campaign, model_of_campaign
 
 if TYPE_CHECKING:
     from modallab.modification.attachments import AttachedPart

@@ -14,11 +14,11 @@ from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import OfTest, ServiceOf
 from modallab.service.api.router import make_router
-from modallab.service.jobs.known_structures import known_of_campaign
+from modallab.service.jobs.results import known_of_campaign
 
 if TYPE_CHECKING:
     from modallab.formats.fem.matrix_model import MatrixModel
-    from modallab.updating.prior import Prior
+    from modallab.updating.result import Prior
 
 router = make_router("model-use")
 
@@ -76,7 +76,7 @@ def update_finite_elements(
 
 
 def _prior(new: PriorRequest) -> "Prior":
-    from modallab.updating.prior import Prior
+    from modallab.updating.result import Prior
 
     return Prior(new.value, new.sigma, new.relative)
 

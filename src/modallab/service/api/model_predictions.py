@@ -24,7 +24,7 @@ from modallab.service.api.request_context import Motion, OfTest, Points, Service
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.export import export_to_own_folder
 from modallab.service.context import Service
-from modallab.service.jobs.known_structures import known_of_campaign
+from modallab.service.jobs.results import known_of_campaign
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,8 +10,8 @@ from modallab.jobs import Jobs
 from modallab.service.records.archive import Archive, Kind
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
+from modallab.storage.campaigns import RemovableRun, remove_samples
 from modallab.storage.records import ENDED
-from modallab.storage.retention import RemovableRun, remove_samples
 
 LOG = logging.getLogger(__name__)
 LOOK_S = 60.0

@@ -1,7 +1,7 @@
 """What the newest jobs gave, as typed resources."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from pydantic import ValidationError
@@ -23,6 +23,9 @@ from modallab.jobs import Job
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
 from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, none_yet
+
+if TYPE_CHECKING:
+    from modallab.modification.known import KnownStructure
 
 
 def models_of_campaign(service: Service, campaign: str) -> ModelsView:
@@ -241,3 +244,44 @@ def _document(job: Job) -> Mapping[str, Any]:
 
 def _unreadable_result(job: Job) -> StorageError:
     return StorageError(f"the result of job {job.id} cannot be read", where=job.id, remedy="order it again")
+
+
+KEPT = 8
+"""Models that stay ready for use: their samples take longer than what is asked of them."""
+_READY: dict[tuple[str, Test | None, tuple[str, ...]], "KnownStructure"] = {}
+
+
+def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "KnownStructure":
+    """The newest model of a test, ready for use; of the first test if none is named.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: no driving point, or a point that is not known.
+    """
+    from modallab.modification.known import KnownStructure
+
+    found = model_of_campaign(service, campaign, test)
+    key = (found.job, found.model.test, found.runs)
+    if key in _READY:
+        return _READY[key]
+    known = KnownStructure(found.model, service.store.catalogue.run(found.runs[0]).rig)
+    while len(_READY) >= KEPT:
+        _READY.pop(next(iter(_READY)))
+    return _READY.setdefault(key, known)
+
+
+def model_of_campaign(service: Service, campaign: str, test: Test | None) -> TestModel:
+    """The newest model of a test; of the first test if none is named.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+    """
+    there = models_of_campaign(service, campaign).models
+    for one in there:
+        if test in (None, one.model.test):
+            return one
+    raise NotFoundError(
+        f"campaign {campaign} has no model of {'any' if test is None else 'the ' + test} test",
+        where="test",
+        remedy=f"there are: {', '.join(str(one.model.test) for one in there) or 'none'}",
+    )

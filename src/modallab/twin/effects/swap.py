@@ -3,9 +3,9 @@
 from contextlib import suppress
 from dataclasses import replace
 
+from modallab.core.effect import TwoChannels
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import RigError
-from modallab.core.places import TwoChannels
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.signals.conversion import volts_per_si

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from modallab.core.effect import AllChannels
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
-from modallab.core.places import AllChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically, values_of_both_signs

@@ -9,8 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from modallab.core.arrays import Complex, Real
-from modallab.core.quadrature import gauss_legendre
+from modallab.core.arrays import Complex, Real, gauss_legendre
 from modallab.twin.elements import (
     ELEMENTS,
     clamped_beam_flexibility,

@@ -1,9 +1,21 @@
 """A sine step by step, and steps as a converter samples them."""
 
 import math
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
 
 from modallab.core.arrays import Real
-from modallab.twin.nonlinear.compiled import machine_code
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def machine_code(function: _Function) -> _Function:
+    """The function as machine code, kept on the disk, which lets other threads run."""
+    # Sums may be taken in another order; nothing else of IEEE 754 is given up.
+    return cast("_Function", numba.njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"})(function))
+
 
 BLOCK = 512
 """Samples that are filtered at once."""

@@ -18,7 +18,7 @@ and would not notice that a law in another one has changed.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.twin.nonlinear.compiled import machine_code
+from modallab.twin.nonlinear.sampling import machine_code
 
 CUBIC, PLAY, CRACK = 0, 2, 3
 CURVED = 12.0
