@@ -6,7 +6,7 @@ import pytest
 from modallab.core.model import ModalModel
 from modallab.core.plan import Precision
 from modallab.core.rig import Channel, Point, Rig
-from modallab.pipelines.known_modes import most_informative_point
+from modallab.pipelines.most_informative_point import most_informative_point
 
 PLACES = np.arange(1, 10) / 10
 SHAPES = np.array([np.sin(np.pi * PLACES), np.sin(2 * np.pi * PLACES)])

@@ -45,7 +45,7 @@ def write_json(path: Path, document: object) -> None:
 
 def show_rows(arguments: argparse.Namespace, rows: "TableRows") -> None:
     """Print a table, and beneath it what is to be said."""
-    from modallab.reporting.table import plain_table
+    from modallab.reporting.plain_table import plain_table
 
     console = console_of(arguments)
     console.print(plain_table(rows.headings, rows.rows))

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modallab.bench.loader import simulated_bench
+from modallab.cli.background_result import BackgroundResult
 from modallab.cli.console import Display, console_of
-from modallab.cli.demo_results import BackgroundResult
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance

@@ -1,12 +1,9 @@
 """What `modallab demo` makes of its recordings: models, files, the report, and what is printed."""
 
 import argparse
-from collections.abc import Callable
-from concurrent.futures import Future
 from pathlib import Path
-from threading import Thread
-from typing import Generic, TypeVar
 
+from modallab.cli.background_result import BackgroundResult
 from modallab.cli.console import console_of
 from modallab.cli.identify import print_remarks, result_table
 from modallab.core.block import Block, Campaign
@@ -21,27 +18,6 @@ from modallab.reporting.report import write_report
 from modallab.reporting.waiting_line import waiting_line
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
-
-Result = TypeVar("Result")
-
-
-class BackgroundResult(Generic[Result]):
-    """A result that is being computed. Who stops the program does not wait for it."""
-
-    def __init__(self, compute: Callable[[], Result]) -> None:
-        self._future: Future[Result] = Future()
-        # A pool would have the program wait at its end.
-        Thread(target=self._run, args=(compute,), daemon=True).start()
-
-    def result(self) -> Result:
-        """The result, once it is there. Raises whatever the computation raised."""
-        return self._future.result()
-
-    def _run(self, compute: Callable[[], Result]) -> None:
-        try:
-            self._future.set_result(compute())
-        except BaseException as error:
-            self._future.set_exception(error)
 
 
 def identify_test(campaign: Campaign, test: Test) -> IdentifiedTest:

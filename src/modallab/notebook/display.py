@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from rich.console import Console
 
-from modallab.reporting.table import plain_table
+from modallab.reporting.plain_table import plain_table
 
 WIDTH = 100
 """Characters of a line at a prompt."""

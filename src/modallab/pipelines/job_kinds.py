@@ -117,7 +117,7 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
 def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> ComputationResult:
     from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
-    from modallab.pipelines.known_modes import most_informative_point
+    from modallab.pipelines.most_informative_point import most_informative_point
 
     campaign, _ = payload
     compared = _agreement_of_campaign(campaign)

@@ -1,10 +1,9 @@
 """The table of modes for the terminal."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 
 from rich import box
-from rich.markup import escape
 from rich.table import Table
 
 from modallab.core.digits import UNKNOWN, number_with_sigma, probability_text, rounded_to_sigma, significant_digits
@@ -80,18 +79,3 @@ def _caption_of_table(models: Sequence[ModalModel], truth: TrueModes | None) -> 
         "4.80(3) stands for 4.80 ± 0.03, one standard deviation. "
         "If the beam still rings when a block ends, half-power reads the block's length, not the damping." + drift
     )
-
-
-def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """Any table; a cell wider than its column goes on in the next line, as a number that is cut is another one.
-
-    Args:
-        headings: of the columns.
-        rows: as many cells each.
-    """
-    table = Table(box=None, pad_edge=False, collapse_padding=True)
-    for heading in headings:
-        table.add_column(escape(heading), overflow="fold")
-    for row in rows:
-        table.add_row(*map(escape, row))
-    return table
