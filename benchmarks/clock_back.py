@@ -57,9 +57,9 @@ def main() -> int:
             lab = service.client
             follower = Follower(service.url, service.token)
             campaign = lab.create_campaign("clock", service.rig)
-            with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+            with lab.take_lease(service.rig, "Ada", ttl_s=300) as lease:
                 run = lab.start_run(campaign.id, ImpactPlan(points=(10, 6, 3), hits=10), lease).id
-                for event in lab.follow(run):
+                for event in lab.follow_run(run):
                     if event.kind == "block" and event.content["n"] == 5:
                         mark.touch()
             view = lab.run(run)

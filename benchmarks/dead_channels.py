@@ -19,7 +19,7 @@ import numpy as np
 from modallab.acquisition.process.child import raise_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.plan import PAPER_LINES, SinePlan
 from modallab.core.rig import Rig
@@ -53,7 +53,7 @@ class TimedBench(FaultyBench):
         super().start()
         self.began_s = time.monotonic()
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         chunk = super().read(count, timeout_s)
         self.next = chunk.first_sample + count
         if self.next < REST_SAMPLES:

@@ -54,9 +54,9 @@ class Bench:
     def drive(self) -> None:
         lab, rig = self.service.client, self.service.rig
         lab.wait_until_idle(rig)
-        self.lease = lab.lease(rig, "presser", ttl_s=600, take_over=True)
+        self.lease = lab.take_lease(rig, "presser", ttl_s=600, take_over=True)
         if lab.rig(rig).trip is not None:
-            lab.reset(rig, self.lease)
+            lab.reset_rig(rig, self.lease)
         lab.start_run(self.campaign, DRIVE, self.lease)
         end = time.monotonic() + 60
         while self.level() == 0.0:

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 
@@ -49,7 +49,7 @@ def main() -> int:
     rig = rig_of(arguments.channels)
     with NiServer(rig, "64", "--pace", "--cables", device=CARDS, virtual=False) as server:
         bench = open_bench(server.url, rig)
-        delivery = bench.configure(Request("impact", arguments.rate))
+        delivery = bench.configure(AcquisitionRequest("impact", arguments.rate))
         bench.start()
         count, wrong, next_ = round(arguments.chunk_s * delivery.rate_hz), 0, 0
         began, busy = time.monotonic(), used()

@@ -33,7 +33,7 @@ def watch(service: ServiceProcess, minutes: float) -> tuple[int, int]:
     lab, alarms, asked = service.client, 0, 0
     campaign = lab.create_campaign("busy", service.rig).id
     end = time.monotonic() + 60 * minutes
-    with lab.lease(service.rig, "Ada", ttl_s=3600) as lease:
+    with lab.take_lease(service.rig, "Ada", ttl_s=3600) as lease:
         while time.monotonic() < end:
             run = lab.start_run(campaign, DRIVE, lease).id
             while (view := lab.run(run)).state not in ENDED and time.monotonic() < end:
@@ -42,10 +42,10 @@ def watch(service: ServiceProcess, minutes: float) -> tuple[int, int]:
                 alarms += 1
                 trip = lab.rig(service.rig).trip
                 print(f"{view.state}: {view.reason}; {trip.reason if trip else 'not tripped'}", flush=True)
-                lab.reset(service.rig, lease, "false alarm")
+                lab.reset_rig(service.rig, lease, "false alarm")
                 lab.wait_until_idle(service.rig)
             else:
-                lab.command(run, Abort(), lease)
+                lab.command_run(run, Abort(), lease)
     return alarms, asked
 
 

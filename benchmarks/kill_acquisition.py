@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.acquisition.process.rig_process import RigProcess
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.core.block import Block
 from modallab.core.errors import BenchError
@@ -86,7 +86,7 @@ def run_whole(rig: Rig, plan: Plan, folder: Path) -> tuple[dict[str, Block], flo
     """All blocks of a run nobody kills, by name, and the seconds it took."""
     with Store(folder) as store:
         begin = time.monotonic()
-        run = record(open_bench(URL, rig), rig, plan, store, lambda _: None)
+        run = record_run(open_bench(URL, rig), rig, plan, store, lambda _: None)
         took_s = time.monotonic() - begin
         return {block.name: block for block in store.iterate(run, rejected=True)}, took_s
 

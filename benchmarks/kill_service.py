@@ -60,9 +60,9 @@ class Bench:
         """Seconds from the kill until the output is at 0 V and stays there."""
         lab, rig = self.service.client, self.service.rig
         campaign = lab.create_campaign(f"kill {victim}", rig)
-        lease = lab.lease(rig, "killer", ttl_s=600)
+        lease = lab.take_lease(rig, "killer", ttl_s=600)
         if lab.rig(rig).trip is not None:
-            lab.reset(rig, lease)
+            lab.reset_rig(rig, lease)
         run = lab.start_run(campaign.id, DRIVE, lease).id
         wait_until(lambda: any(e.run == run and e.kind == "block" for e in list(self.follower.events)))
         pids = lab.processes()
@@ -124,7 +124,7 @@ class Work:
 
     def _order(self) -> str:
         low = self.moment.uniform(1.5, 2.5)
-        return self.service.client.order(self.campaign, "identify", band_hz=[low, 400.0]).id
+        return self.service.client.order_job(self.campaign, "identify", band_hz=[low, 400.0]).id
 
 
 def _pids(service: ServiceProcess, victim: str) -> list[int]:
@@ -176,9 +176,9 @@ def kill_jobs(victim: str, kills: int, seed: int) -> int:
     ):
         lab = service.client
         campaign = lab.create_campaign("jobs", service.rig).id
-        with lab.lease(service.rig, "killer") as lease:
+        with lab.take_lease(service.rig, "killer") as lease:
             run = lab.start_run(campaign, HITS, lease).id
-            list(lab.follow(run))
+            list(lab.follow_run(run))
         work = Work(service, campaign, moment)
         took = one_by_one(victim, kills, lambda: work.kill(victim))
     print(

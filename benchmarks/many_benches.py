@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from postgresql_server import postgresql_server
 
-from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.bench.protocol import BenchInfo, DeliveredSampling
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Channel, Rig
 from modallab.storage import BlockNote, Store
@@ -32,7 +32,7 @@ def record(folder: Path, rate_hz: float, until: float, gate: Any) -> list[float]
     channels = [Channel(index=0, name="force", quantity="force", unit="N")]
     channels += [Channel(index=k, name=f"a{k:02}", quantity="acceleration", unit="m/s^2") for k in range(1, CHANNELS)]
     rig = Rig(name="bench", model="unknown", channels=tuple(channels))
-    delivery = Delivery(rate_hz, rate_hz, rate_hz, np.dtype("int32"), np.ones(CHANNELS), ("V",) * CHANNELS)
+    delivery = DeliveredSampling(rate_hz, rate_hz, rate_hz, np.dtype("int32"), np.ones(CHANNELS), ("V",) * CHANNELS)
     samples = np.random.default_rng(1).integers(-(2**31), 2**31, (CHANNELS, n), dtype=np.int32)
     took: list[float] = []
     with (

@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from service_process import ServiceProcess
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk
 from modallab.core.documents.runs import Stop
 from modallab.core.errors import BenchTimeoutError, SamplesLostError, UnsupportedError
 from modallab.core.plan import HitAcceptance, ImpactPlan
@@ -62,20 +62,20 @@ class ManyChannels:
     def __post_init__(self) -> None:
         self.info = BenchInfo(self.url, (("many", "1"),), False, True, {})
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         self.rate_hz = request.rate_hz
         channels, rng = len(self.rig.channels), np.random.default_rng(1)
         self._noise = (NOISE_V * rng.standard_normal((channels, round(self.rate_hz)))).astype(np.float32)
         self._ring = _response(channels, self.rate_hz, rng)
         units = ("V",) * channels
         rate = self.rate_hz
-        return Delivery(rate, rate, rate, np.dtype(np.float32), np.ones(channels), units)
+        return DeliveredSampling(rate, rate, rate, np.dtype(np.float32), np.ones(channels), units)
 
     def start(self) -> None:
         self._next, self._hit, self._began_s = 0, -1, time.monotonic()
         Path(os.environ["MANY_BEGAN"]).write_text(str(self._began_s))
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         due_s = self._began_s + (self._next + count) / self.rate_hz
         wait_s = due_s - time.monotonic()
         if wait_s > timeout_s:
@@ -86,7 +86,7 @@ class ManyChannels:
         places = np.arange(self._next, self._next + count)
         samples = self._noise[:, places % self._noise.shape[1]]
         self._add(samples)
-        chunk = Chunk(self._next, samples, np.zeros(len(samples), np.bool_))
+        chunk = SampleChunk(self._next, samples, np.zeros(len(samples), np.bool_))
         self._next += count
         return chunk
 
@@ -184,7 +184,7 @@ def watch_frfs(service: ServiceProcess, run: str, seen: Watched, until: threadin
 
 
 def watch_events(service: ServiceProcess, run: str, seen: Watched) -> None:
-    for event in service.client.follow(run):
+    for event in service.client.follow_run(run):
         if event.kind == "block" and event.content["accepted"]:
             seen.events.append(time.monotonic())
 
@@ -239,7 +239,7 @@ def main() -> int:
 def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path) -> int:
     lab = service.client
     campaign = lab.create_campaign("many", service.rig)
-    lease = lab.lease(service.rig, "Ada", ttl_s=3600)
+    lease = lab.take_lease(service.rig, "Ada", ttl_s=3600)
     plan = ImpactPlan(points=(1,), hits=1000, rate_hz=arguments.rate, acceptance=HitAcceptance(max_force_n=490.0))
     run = lab.start_run(campaign.id, plan, lease).id
     while (view := lab.run(run)).state not in ("acquiring", "armed"):
@@ -260,7 +260,7 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path
     took = time.monotonic() - began_s
     shares = {name: (busy_s(pid) - before[name]) / took for name, pid in pids.items()}
     if lab.run(run).state not in ENDED:
-        lab.command(run, Stop(), lease)
+        lab.command_run(run, Stop(), lease)
     while lab.run(run).state not in ENDED:
         time.sleep(0.1)
     until.set()

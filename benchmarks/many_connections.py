@@ -88,7 +88,7 @@ def main() -> int:
         lab = service.client
         follower = Follower(service.url, service.token)
         campaign = lab.create_campaign("many", service.rig)
-        lease = lab.lease(service.rig, "Ada", ttl_s=3600)
+        lease = lab.take_lease(service.rig, "Ada", ttl_s=3600)
         asked = (service.url, service.token, arguments.connections, leave, open_now)
         crowd = spawn.Process(target=crowd_of, args=asked)
         crowd.start()

@@ -66,7 +66,7 @@ def main() -> int:
     with (
         tempfile.TemporaryDirectory() as folder,
         ServiceProcess(Path(folder) / "data", "--no-jobs", bench=BENCH) as service,
-        service.client.lease(service.rig, "Ada") as lease,
+        service.client.take_lease(service.rig, "Ada") as lease,
     ):
         campaign = ""
         while done < arguments.runs and time.monotonic() - began < 60 * arguments.minutes:
@@ -74,7 +74,7 @@ def main() -> int:
                 campaign = service.client.create_campaign(f"session {done // A_CAMPAIGN}", service.rig).id
             service.client.wait_until_idle(service.rig)
             run = service.client.start_run(campaign, PLAN, lease).id
-            for _ in service.client.follow(run):
+            for _ in service.client.follow_run(run):
                 pass
             ended = service.client.run(run)
             assert ended.state == "done", ended

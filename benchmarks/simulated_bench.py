@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from importlib.resources import files
 
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
 
@@ -49,12 +49,12 @@ def sine(bench: Bench, rate_hz: float, seconds: float) -> None:
         read(bench, rate_hz, 21)
 
 
-PROCEDURES: dict[str, tuple[Procedure, Request]] = {
-    "at rest": (rest, Request("impact", 2000.0)),
-    "ringing": (ring, Request("impact", 2000.0)),
-    "impact test": (impact, Request("impact", 2000.0)),
-    "driven": (drive, Request("impact", 2000.0)),
-    "sine test": (sine, Request("sine", 1000.0)),
+PROCEDURES: dict[str, tuple[Procedure, AcquisitionRequest]] = {
+    "at rest": (rest, AcquisitionRequest("impact", 2000.0)),
+    "ringing": (ring, AcquisitionRequest("impact", 2000.0)),
+    "impact test": (impact, AcquisitionRequest("impact", 2000.0)),
+    "driven": (drive, AcquisitionRequest("impact", 2000.0)),
+    "sine test": (sine, AcquisitionRequest("sine", 1000.0)),
 }
 
 

@@ -27,7 +27,7 @@ from stop_trace import HOLD, RATE_HZ, Stop, seen
 
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.errors import ModallabError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
@@ -53,7 +53,7 @@ def traced(server: NiServer, burst: Burst) -> Stop:
 def by_bench(way: str, server: NiServer, rig: Rig, burst: Burst, after_s: float) -> Stop:
     bench = open_bench(server.url, rig)
     try:
-        bench.configure(Request("sine", 2000.0))
+        bench.configure(AcquisitionRequest("sine", 2000.0))
         bench.start()
         bench.play(burst)
         bench.read(round(2000 * after_s), 5.0)
@@ -67,7 +67,7 @@ def by_supervisor(server: NiServer, rig: Rig, burst: Burst, after_s: float) -> S
     bench, handle = open_bench(server.url, rig), open_output(server.url, rig)
     assert handle is not None
     try:
-        bench.configure(Request("sine", 2000.0))
+        bench.configure(AcquisitionRequest("sine", 2000.0))
         bench.start()
         bench.play(burst)
         bench.read(round(2000 * after_s), 5.0)

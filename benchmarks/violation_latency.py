@@ -24,7 +24,7 @@ import numpy as np
 from modallab.acquisition.process.child import raise_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, BenchInfo, Burst, DeliveredSampling, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
@@ -51,7 +51,7 @@ class Spiking:
     def info(self) -> BenchInfo:
         return self._bench.info
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         delivery = self._bench.configure(request)
         self._rate_hz = delivery.rate_hz
         return delivery
@@ -60,7 +60,7 @@ class Spiking:
         self._bench.start()
         self._began_s = time.monotonic()
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         chunk = self._bench.read(count, timeout_s)
         if self._at is None or not chunk.first_sample <= self._at < chunk.first_sample + count:
             return chunk

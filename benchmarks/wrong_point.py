@@ -13,7 +13,7 @@ import numpy as np
 from modallab.acquisition.procedures.struck_point.check import StruckPointCheck
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, response_of_hit
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.cli.demo import demo_rig
 from modallab.pipelines.known_modes import expected_modes
 from modallab.signals.conversion import Conversion
@@ -32,7 +32,7 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
     effects = "".join(f"&effect=gain_error,channel={row},gain={gain:.4f}" for row, gain in enumerate(gains, start=1))
     effects += f"&effect={effect}" if effect else ""
     bench = open_bench(f"sim://cantilever?seed={seed}&bad_hits=0&place_m=0.002{effects}", rig)
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     check = StruckPointCheck.of(rig, conversion, BAND_HZ, expected)
     found: list[Outcome] = []
@@ -50,10 +50,10 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
             answer = response_of_hit(samples[:, first : first + BLOCK], conversion.force, RATE_HZ, BEFORE)
             if samples[0].max() < WEAKEST_N or answer is None:
                 continue
-            said = check.look(f"{point}/{n}", point, answer)
+            said = check.check_hit(f"{point}/{n}", point, answer)
             found.append((point, struck, good, bool(said.reasons), said.drive_kind_of))
             if not said.reasons:
-                check.keep(f"{point}/{n}", f"{point}/{n}", point)
+                check.keep_hit(f"{point}/{n}", f"{point}/{n}", point)
                 good += 1
             if good == hits:
                 break

@@ -21,7 +21,7 @@ from typing import Any
 
 from undecided import EFFECTS, PLANS, drawn
 
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
@@ -75,7 +75,7 @@ def recorded(url: str, rig: Rig, plans: Sequence[Plan], folder: Path, session: i
     with Store(folder) as store:
         benches = [CantileverBench(url, rig, parse(url), circumstances) for _ in plans]
         return campaign_of(
-            store, [record(b, rig, plan, store, lambda _: None) for b, plan in zip(benches, plans, strict=True)]
+            store, [record_run(b, rig, plan, store, lambda _: None) for b, plan in zip(benches, plans, strict=True)]
         )
 
 

@@ -47,7 +47,7 @@ def hits(browser: Browser, folder: Path, count: int, speed: float) -> list[float
         page.page.wait_for_timeout(1000)
         drawn = dict(page.page.evaluate("window.drawn"))
         run = service.client.campaigns()[0].runs[0]
-        known = [e for e in service.client.follow(run) if e.kind == "block"]
+        known = [e for e in service.client.follow_run(run) if e.kind == "block"]
         page.close()
     at = [1e3 * datetime.fromisoformat(event.utc).timestamp() for event in known]
     return [drawn[n] - ms for n, ms in enumerate(at, 1) if n in drawn]

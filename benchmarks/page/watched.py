@@ -79,7 +79,7 @@ def main() -> int:
 def begin(service: ServiceProcess, rate_hz: float) -> str:
     lab = service.client
     campaign = lab.create_campaign("watched", service.rig)
-    lease = lab.lease(service.rig, "Ada", ttl_s=3600)
+    lease = lab.take_lease(service.rig, "Ada", ttl_s=3600)
     plan = ImpactPlan(points=(1,), hits=1000, rate_hz=rate_hz, acceptance=HitAcceptance(max_force_n=490.0))
     run = lab.start_run(campaign.id, plan, lease).id
     while (view := lab.run(run)).state not in ("acquiring", "armed"):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, FoundDevice, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, BenchInfo, DeliveredSampling, FoundDevice, SampleChunk
 from modallab.core.discovery import how_to_install
 from modallab.core.errors import (
     BenchTimeoutError,
@@ -87,7 +87,7 @@ class OpenDaqBench(NoOutput):
         """What answers."""
         return self._info
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """Set the device's rate and read back what it became."""
         self._require("open", "configured", "stopped", "lost", to="configure")
         if not isfinite(request.rate_hz) or not 0 < request.rate_hz <= MOST_RATE_HZ:
@@ -103,7 +103,7 @@ class OpenDaqBench(NoOutput):
             self._unit(channel, device) for channel, device in zip(self._rig.channels, self._channels, strict=True)
         )
         scale = np.ones(len(units))
-        return Delivery(request.rate_hz, actual, actual, np.dtype(np.float64), scale, units)
+        return DeliveredSampling(request.rate_hz, actual, actual, np.dtype(np.float64), scale, units)
 
     def start(self) -> None:
         """Begin with a reader of its own, whose first common sample is sample 0."""
@@ -116,7 +116,7 @@ class OpenDaqBench(NoOutput):
         self._position = 0
         self._state = "running"
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """The next `count` samples of all channels."""
         self._require("running", to="read")
         require_count(count, self._url)
@@ -135,7 +135,7 @@ class OpenDaqBench(NoOutput):
                 time.sleep(POLL_S)
         samples, self._left = self._left[:, :count].copy(), self._left[:, count:]
         first, self._position = self._position, self._position + count
-        return Chunk(first, samples, self._at_full_scale(samples))
+        return SampleChunk(first, samples, self._at_full_scale(samples))
 
     def stop(self) -> None:
         """Stop reading."""

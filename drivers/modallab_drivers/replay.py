@@ -14,7 +14,7 @@ from urllib.parse import parse_qsl, unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, BenchInfo, DeliveredSampling, SampleChunk
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import (
     BenchTimeoutError,
@@ -83,7 +83,7 @@ class ReplayBench(NoOutput):
         """What was recorded, with its provenance as facts."""
         return self._info
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """Choose the test to play; the rate is the one of the recording."""
         self._require("open", "configured", "stopped", to="configure")
         blocks = self._campaign.of(request.test)
@@ -102,7 +102,9 @@ class ReplayBench(NoOutput):
         self._stretches = _placed(blocks)
         self._state = "configured"
         actual = first.actual_rate_hz or first.rate_hz
-        return Delivery(request.rate_hz, actual, first.rate_hz, first.samples.dtype, np.array(first.scale), first.units)
+        return DeliveredSampling(
+            request.rate_hz, actual, first.rate_hz, first.samples.dtype, np.array(first.scale), first.units
+        )
 
     def start(self) -> None:
         """Begin with the first block."""
@@ -113,7 +115,7 @@ class ReplayBench(NoOutput):
         self._began_s = time.monotonic()
         self._state = "running"
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """The next `count` samples of the block that is on."""
         self._require("running", to="read")
         require_count(count, self._url)
@@ -126,7 +128,7 @@ class ReplayBench(NoOutput):
         self._wait(count, timeout_s, stretch.block.rate_hz)
         begin = self._position - stretch.first
         samples: NDArray[Any] = stretch.block.samples[:, begin : begin + count].copy()
-        chunk = Chunk(self._position, samples, _overload(stretch.block, samples))
+        chunk = SampleChunk(self._position, samples, _overload(stretch.block, samples))
         self._position += count
         if self._position == stretch.end:
             self._next()

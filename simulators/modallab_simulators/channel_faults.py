@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform
+from modallab.bench.protocol import (
+    AcquisitionRequest,
+    Bench,
+    BenchInfo,
+    Burst,
+    DeliveredSampling,
+    SampleChunk,
+    Waveform,
+)
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
 KINDS: tuple[Kind, ...] = ("dead", "frozen", "unplugged", "clipped", "swapped")
@@ -68,7 +76,7 @@ class FaultyBench:
         """Of the bench."""
         return self._bench.info
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """As the bench does."""
         delivery = self._bench.configure(request)
         self._rate_hz = delivery.rate_hz
@@ -78,7 +86,7 @@ class FaultyBench:
         """As the bench does."""
         self._bench.start()
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """As the bench does, with the fault."""
         chunk = self._bench.read(count, timeout_s)
         self.sound = chunk.samples

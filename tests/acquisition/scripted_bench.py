@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk
 from modallab.core.errors import DeviceGoneError, SamplesLostError
 from modallab.core.rig import Channel, Converter, Limits, Point, Rig
 
@@ -81,17 +81,17 @@ class ScriptedBench:
     def info(self) -> BenchInfo:
         return BenchInfo("scripted://", (("script", "1"),), True, False, {})
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         self.rate_hz = request.rate_hz
         rate = request.rate_hz
-        return Delivery(rate, rate, rate, np.dtype(np.int16), np.full(3, SCALE), ("V", "V", "V"))
+        return DeliveredSampling(rate, rate, rate, np.dtype(np.int16), np.full(3, SCALE), ("V", "V", "V"))
 
     def start(self) -> None:
         self.position = 0
         self.hits.clear()
         self.bursts.clear()
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         if self.gone_at is not None and self.position + count > self.gone_at:
             raise DeviceGoneError("the device is gone", where="scripted://", remedy="plug it in")
         if self.lose_at and self.position + count > self.lose_at[0]:
@@ -99,7 +99,7 @@ class ScriptedBench:
         first = self.position
         self.position += count
         samples = np.clip(np.rint(self._counts(first, count)), -32768, 32767).astype(np.int16)
-        return Chunk(first, samples, (samples == 32767).any(axis=1) | (samples == -32768).any(axis=1))
+        return SampleChunk(first, samples, (samples == 32767).any(axis=1) | (samples == -32768).any(axis=1))
 
     def _counts(self, first: int, count: int) -> np.ndarray:
         n = np.arange(first, first + count)

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.acquisition.procedures.broadband_wave import blocks_a_wave, layout_of, peak_v, slew_v_per_s, wave_of
 from modallab.acquisition.procedures.plan_checks import require_possible
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.block import Block, Campaign
@@ -128,7 +128,7 @@ def test_every_wave_played_is_within_what_the_check_has_seen(link_rig: Rig) -> N
 def blocks_of(store: Store, rig: Rig, plan: BroadbandPlan) -> tuple[tuple[Block, ...], list[Event], str]:
     events: list[Event] = []
     bench = open_bench(URL, rig)
-    run = record(bench, rig, plan, store, events.append)
+    run = record_run(bench, rig, plan, store, events.append)
     bench.close()
     return tuple(store.blocks(run)), events, run
 
@@ -190,7 +190,7 @@ def test_beyond_a_limit_the_run_ends_at_zero_and_keeps_what_tripped(store: Store
     rig = link_rig.model_copy(update={"limits": link_rig.limits.model_copy(update={"force_n": 0.5})})
     bench = open_bench(URL, rig)
     with pytest.raises(SafetyError, match="beyond the abort limit"):
-        record(
+        record_run(
             bench, rig, plan_of("random", blocks=2, band_hz=(2.0, 100.0), levels_v={"low": 1.0}), store, lambda _: None
         )
     rows = store.catalogue.blocks(store.catalogue.runs()[-1].id)

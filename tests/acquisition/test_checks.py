@@ -4,7 +4,7 @@ import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
 from modallab.acquisition.procedures.plan_checks import require_possible
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError
 from modallab.core.plan import HitAcceptance, ImpactPlan, SinePlan
@@ -57,7 +57,7 @@ def test_without_limits_or_output_nothing_is_driven() -> None:
 def test_a_rejected_plan_touches_the_output_only_to_zero_it(store: Store) -> None:
     bench = ScriptedBench()
     with pytest.raises(PlanError):
-        record(bench, scripted_rig(), SinePlan(), store, lambda _: None)
+        record_run(bench, scripted_rig(), SinePlan(), store, lambda _: None)
     assert set(bench.done) <= {"zero", "stop"}
     (run,) = store.catalogue.runs()
     assert (run.state, "no limits" in run.reason) == ("failed", True)

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.procedures.burst import HEADROOM, MAX_GROWTH, Drive, MeasuredBurst
-from modallab.acquisition.process.run import record
+from modallab.acquisition.procedures.burst import HEADROOM, MAX_GROWTH, MeasuredBurst, SineDrive
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst
 from modallab.core.errors import PlanError
@@ -39,7 +39,7 @@ def forces(store: Store, run: str) -> dict[str, float]:
 
 def test_a_constant_drive_takes_one_burst_a_frequency_whatever_the_force(store: Store) -> None:
     bench = Dropping()
-    run = record(bench, RIG, sine(), store, lambda _: None)
+    run = record_run(bench, RIG, sine(), store, lambda _: None)
     assert bench.done.count("play") == 2
     assert [r.note.facts["drive_v"] for r in store.catalogue.blocks(run)] == [0.5, 0.5]
     found = [float(r.note.facts["force_n"]) for r in store.catalogue.blocks(run)]
@@ -49,7 +49,7 @@ def test_a_constant_drive_takes_one_burst_a_frequency_whatever_the_force(store: 
 def test_the_force_is_brought_to_what_is_requested_between_bursts(store: Store) -> None:
     bench = Dropping()
     plan = sine(force=ForceControl(levels_n={"low": 0.8}))
-    run = record(bench, RIG, plan, store, lambda _: None)
+    run = record_run(bench, RIG, plan, store, lambda _: None)
     assert list(forces(store, run).values()) == pytest.approx([0.8, 0.8], rel=0.05)
     # Each burst has one amplitude from its start to its end.
     assert len({(s, b.amplitude_v) for s, b in bench.bursts}) == len(bench.bursts)
@@ -65,7 +65,7 @@ def test_the_force_is_brought_to_what_is_requested_between_bursts(store: Store) 
 
 def test_after_so_many_bursts_the_last_one_counts_and_is_flagged(store: Store) -> None:
     plan = sine(frequencies_hz=(60.0,), force=ForceControl(levels_n={"low": 5.0}, max_bursts=2))
-    run = record(Dropping(), RIG, plan, store, lambda _: None)
+    run = record_run(Dropping(), RIG, plan, store, lambda _: None)
     first, last = store.catalogue.blocks(run)
     assert not first.note.accepted
     assert last.note.accepted
@@ -78,7 +78,7 @@ def test_at_the_rigs_limit_there_is_no_other_drive_to_try(store: Store) -> None:
     limits = LIMITS.model_copy(update={"drive_v": 0.5})
     bench = Dropping()
     plan = sine(frequencies_hz=(60.0,), force=ForceControl(levels_n={"low": 5.0}))
-    run = record(bench, scripted_rig(limits), plan, store, lambda _: None)
+    run = record_run(bench, scripted_rig(limits), plan, store, lambda _: None)
     assert bench.done.count("play") == 1
     (only,) = store.catalogue.blocks(run)
     assert only.note.accepted
@@ -89,7 +89,7 @@ def test_at_the_rigs_limit_there_is_no_other_drive_to_try(store: Store) -> None:
 def test_no_correction_leads_beyond_a_limit(
     volts: float, force: float, used: float, hz: float, requested: float
 ) -> None:
-    drive = Drive(sine(force=ForceControl(levels_n={"low": requested})), LIMITS)
+    drive = SineDrive(sine(force=ForceControl(levels_n={"low": requested})), LIMITS)
     found = drive.next_v("low", hz, MeasuredBurst(volts, force, used))
     if found is None:
         return
@@ -109,7 +109,7 @@ def test_no_correction_leads_beyond_a_limit(
 )
 def test_a_force_the_rig_does_not_allow_is_rejected(store: Store, force: ForceControl, said: str) -> None:
     with pytest.raises(PlanError, match=said):
-        record(ScriptedBench(), RIG, sine(force=force), store, lambda _: None)
+        record_run(ScriptedBench(), RIG, sine(force=force), store, lambda _: None)
 
 
 def test_on_the_beam_the_force_is_reached_and_what_was_right_stays_right(store: Store, link_rig: Rig) -> None:
@@ -117,7 +117,7 @@ def test_on_the_beam_the_force_is_reached_and_what_was_right_stays_right(store: 
     plan = SinePlan(
         frequencies_hz=(20 / 1.024, 31 / 1.024), settle_s=3.0, wait_s=2.0, force=ForceControl(levels_n={"low": 0.2})
     )
-    run = record(bench, link_rig, plan, store, lambda _: None)
+    run = record_run(bench, link_rig, plan, store, lambda _: None)
     found = [float(r.note.facts["force_n"]) for r in store.catalogue.blocks(run) if r.note.accepted]
     assert found == pytest.approx([0.2, 0.2], rel=0.05)
     # The bench's shaker gives so many N per V at every frequency, so what was right once is right again.
@@ -135,5 +135,5 @@ def test_on_the_beam_the_force_is_reached_and_what_was_right_stays_right(store: 
 )
 def test_frequencies_are_swept_in_the_order_that_is_asked_for(store: Store, sweep: str, order: list[str]) -> None:
     plan = sine(frequencies_hz=(60.0, 27.34375), sweep=sweep)
-    run = record(ScriptedBench(), RIG, plan, store, lambda _: None)
+    run = record_run(ScriptedBench(), RIG, plan, store, lambda _: None)
     assert [b.name for b in store.blocks(run)] == [f"sine_low_0{name}" for name in order]

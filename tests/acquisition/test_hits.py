@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.acquisition.procedures.hit_acceptance import hit_of, rejections
+from modallab.acquisition.procedures.hit_acceptance import hit_of, rejection_reasons
 from modallab.core.plan import HitAcceptance
 
 RATE, BEFORE, N = 2000.0, 100, 2048
@@ -25,7 +25,7 @@ def force(width_s: float = 0.004, peak_n: float = 100.0, second: float = 0.0, af
 
 def reasons(signal: np.ndarray, **limits: float) -> list[str]:
     acceptance = HitAcceptance(**limits)
-    return rejections(hit_of(signal, RATE, BEFORE, acceptance.min_band_hz), acceptance)
+    return rejection_reasons(hit_of(signal, RATE, BEFORE, acceptance.min_band_hz), acceptance)
 
 
 def test_a_good_hit_has_no_reason_against_it() -> None:
@@ -52,7 +52,7 @@ def test_the_drop_is_that_of_a_raised_cosine(width_s: float) -> None:
 def test_a_second_contact_is_found_wherever_it_is(ratio: float, after_s: float) -> None:
     hit = hit_of(force(second=ratio, after_s=after_s), RATE, BEFORE, 110.0)
     assert hit.second_ratio == pytest.approx(ratio, rel=0.1)
-    assert "double hit" in " ".join(rejections(hit, HitAcceptance()))
+    assert "double hit" in " ".join(rejection_reasons(hit, HitAcceptance()))
 
 
 @pytest.mark.parametrize("width_s", [0.0006, 0.0012, 0.002])

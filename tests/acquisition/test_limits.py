@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import SCALE, scripted_rig
 
-from modallab.acquisition.monitor.burst_watch import LimitWatch, watch_of
-from modallab.bench.protocol import Chunk, Delivery
+from modallab.acquisition.monitor.burst_watch import LimitWatch, limit_watch
+from modallab.bench.protocol import DeliveredSampling, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Limits
 from modallab.signals.conversion import Conversion
@@ -17,12 +17,14 @@ LIMITS = Limits(drive_v=1.0, slew_v_per_s=1.0, force_n=50.0, acceleration_m_s2=6
 
 def watch(dtype: str = "int16") -> LimitWatch:
     scale = SCALE if dtype == "int16" else 1.0
-    delivery = Delivery(1e3, 1e3, 1e3, np.dtype(dtype), np.full(3, scale), ("V", "V", "V"))
-    return watch_of(scripted_rig(LIMITS), LIMITS, Conversion.of(scripted_rig(), "sine", delivery.units, delivery.scale))
+    delivery = DeliveredSampling(1e3, 1e3, 1e3, np.dtype(dtype), np.full(3, scale), ("V", "V", "V"))
+    return limit_watch(
+        scripted_rig(LIMITS), LIMITS, Conversion.of(scripted_rig(), "sine", delivery.units, delivery.scale)
+    )
 
 
-def chunk(samples: np.ndarray) -> Chunk:
-    return Chunk(0, samples, np.zeros(3, dtype=bool))
+def chunk(samples: np.ndarray) -> SampleChunk:
+    return SampleChunk(0, samples, np.zeros(3, dtype=bool))
 
 
 @given(st.lists(st.integers(-(2**15), 2**15 - 1), min_size=3, max_size=3))

@@ -18,9 +18,9 @@ from modallab.core.plan import ImpactPlan
 
 def waited_for(link: OwnerLink, order: Order, within_s: float = 5.0) -> bool:
     end = time.monotonic() + within_s
-    while link.order() != order and time.monotonic() < end:
+    while link.next_order() != order and time.monotonic() < end:
         time.sleep(0.01)
-    return link.order() == order
+    return link.next_order() == order
 
 
 def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
@@ -30,7 +30,7 @@ def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
     assert waited_for(link, "abort")
     mine.send(RunPlan(ImpactPlan(points=(1,))))
     assert link.next_plan() is not None
-    assert link.order() is None
+    assert link.next_order() is None
     mine.send(Stop())
     assert waited_for(link, "stop")
     mine.send(CloseOrder())
@@ -52,7 +52,7 @@ def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
     for _ in range(8):
         mine.send(OwnerHeartbeat())
         time.sleep(0.1)
-    assert link.order() is None
+    assert link.next_order() is None
     assert waited_for(link, "lost")
     mine.close()
 

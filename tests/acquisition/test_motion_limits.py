@@ -5,8 +5,8 @@ import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
 from modallab.acquisition.monitor.motion_limits import MotionLimit, MotionWatch, motion_limits
-from modallab.acquisition.process.run import record
-from modallab.bench.protocol import Burst, Chunk
+from modallab.acquisition.process.run import record_run
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import PlanError, SafetyError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
@@ -23,7 +23,7 @@ def watch(integrations: int, limit: float, lowest_hz: float = 5.0) -> MotionWatc
 
 def highest(found: MotionWatch, values: np.ndarray, chunk: int = 50) -> float:
     for first in range(0, values.size, chunk):
-        found(Chunk(first, values[None, first : first + chunk], np.zeros(1, dtype=bool)))
+        found(SampleChunk(first, values[None, first : first + chunk], np.zeros(1, dtype=bool)))
     return found.share_of_limit
 
 
@@ -78,7 +78,7 @@ def test_a_stroke_is_held_before_the_level_is_raised(store: Store) -> None:
     limits = LIMITS.model_copy(update={"stroke_m": 0.0015})
     plan = SinePlan(frequencies_hz=(5.0,), levels_v={"low": 1.0, "high": 2.0}, settle_s=2.0, wait_s=3.0)
     with pytest.raises(SafetyError, match=r"at the full drive, as predicted: stroke of a02 0\.00"):
-        record(ScriptedBench(), scripted_rig(limits), plan, store, lambda _: None)
+        record_run(ScriptedBench(), scripted_rig(limits), plan, store, lambda _: None)
     run = store.catalogue.runs()[0]
     assert [row.note.name for row in store.catalogue.blocks(run.id)] == [
         "sine_low_005.000",
@@ -90,4 +90,4 @@ def test_a_stroke_that_no_channel_can_see_is_a_problem_of_the_plan(store: Store)
     rig = scripted_rig(LIMITS.model_copy(update={"stroke_m": 0.01}))
     rig = rig.model_copy(update={"channels": rig.channels[:2]})
     with pytest.raises(PlanError, match="stroke_m"):
-        record(ScriptedBench(), rig, SinePlan(frequencies_hz=(5.0,)), store, lambda _: None)
+        record_run(ScriptedBench(), rig, SinePlan(frequencies_hz=(5.0,)), store, lambda _: None)

@@ -8,7 +8,7 @@ import pytest
 
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import RestNoise
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import SafetyError
 
 RATE_HZ, NOISE = 2000.0, 10.0
@@ -62,7 +62,7 @@ def verdict(fault: Fault, drawn: int, at_once: int) -> str:
     watch.begin(BURST, 0, rest, RestNoise.of(rest, counts=True), 0)
     try:
         for first in range(0, len(times), at_once):
-            watch(Chunk(first, counts[:, first : first + at_once], np.zeros(len(SIZES), dtype=np.bool_)))
+            watch(SampleChunk(first, counts[:, first : first + at_once], np.zeros(len(SIZES), dtype=np.bool_)))
     except SafetyError as error:
         # How often a value had come when it was seen is a matter of how many were read.
         return re.sub(r"for \d+ samples", "", error.what)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.monitor.run_states import DropBlock, Requests
+from modallab.acquisition.monitor.run_states import DropBlock, OperatorRequests
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Repeat
@@ -24,7 +24,7 @@ SINE = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5}, settle_s
 class Operator:
     """Does something once, at the first event for which `when` holds, and something else once the run is paused."""
 
-    requests: Requests
+    requests: OperatorRequests
     events: list[Event] = field(default_factory=list)
 
     def __call__(self, event: Event) -> None:
@@ -62,7 +62,7 @@ class RealTime(ScriptedBench):
 
 
 def run(bench: ScriptedBench, plan: Plan, store: Store, kind: type[Operator]) -> tuple[Operator, str]:
-    requests = Requests()
+    requests = OperatorRequests()
     operator = kind(requests)
     with store.begin(plan, RIG, bench.info) as recorder:
         run_plan(bench, RIG, plan, recorder, operator, requests=requests)
@@ -103,7 +103,7 @@ def test_while_paused_in_real_time_samples_are_read_and_none_is_lost(store: Stor
         def at_pause(self) -> None:
             before.append(bench.position)
 
-    requests = Requests()
+    requests = OperatorRequests()
     operator = Waits(requests)
 
     def control() -> None:
@@ -125,7 +125,7 @@ def test_a_paused_run_can_be_ended(store: Store, order: str, state: str) -> None
         def at_pause(self) -> None:
             """Stay paused."""
 
-    requests, bench = Requests(), ScriptedBench()
+    requests, bench = OperatorRequests(), ScriptedBench()
     operator = Stays(requests)
     with store.begin(IMPACT, RIG, bench.info) as recorder:
         run_plan(
@@ -164,7 +164,7 @@ def test_a_dropped_hit_no_longer_counts_and_is_asked_for_again(store: Store) -> 
     class Drops(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block" and event.name == "impact_p02_2":
-                self.requests.ask(DropBlock("impact_p02_1", "the tip was loose"))
+                self.requests.add(DropBlock("impact_p02_1", "the tip was loose"))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Drops)
     assert [b.name for b in store.blocks(name)] == [
@@ -187,7 +187,7 @@ def test_a_hit_dropped_at_the_very_end_is_left_out(store: Store) -> None:
     class Late(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "progress" and event.done == 4:
-                self.requests.ask(DropBlock("impact_p01_2"))
+                self.requests.add(DropBlock("impact_p01_2"))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Late)
     assert operator.states[-1] == "done"
@@ -198,8 +198,8 @@ def test_a_drop_of_what_is_not_there_changes_nothing(store: Store) -> None:
     class Wrong(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block":
-                self.requests.ask(DropBlock("impact_p99_9"))
-                self.requests.ask(Repeat(frequency_hz=20.0))
+                self.requests.add(DropBlock("impact_p99_9"))
+                self.requests.add(Repeat(frequency_hz=20.0))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Wrong)
     assert not [e for e in operator.events if e.kind == "dropped"]
@@ -210,7 +210,7 @@ def test_a_repeated_frequency_comes_next_and_takes_the_place_of_the_first(store:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block" and event.name == "sine_low_027.344":
-                self.requests.ask(Repeat(frequency_hz=27.344))
+                self.requests.add(Repeat(frequency_hz=27.344))
 
     bench = ScriptedBench()
     operator, name = run(bench, SINE, store, Repeats)
@@ -225,7 +225,7 @@ def test_until_the_repeat_is_kept_the_first_counts(store: Store) -> None:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "progress" and event.done == 2:
-                self.requests.ask(Repeat(frequency_hz=60.0))
+                self.requests.add(Repeat(frequency_hz=60.0))
 
     # The request comes after the last look: there is no time for it.
     _, name = run(ScriptedBench(), SINE, store, Repeats)

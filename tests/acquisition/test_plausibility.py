@@ -6,11 +6,11 @@ from scripted_bench import ScriptedBench, scripted_rig
 
 from modallab.acquisition.monitor.burst_windows import ExchangedChannels
 from modallab.acquisition.monitor.plausibility import KnownShapes, Plausibility
-from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
+from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import channel_faults, is_dead, predict_later_window, tone_basis
-from modallab.acquisition.process.run import record, run_plan
+from modallab.acquisition.process.run import record_run, run_plan
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.plan import ForceControl, SinePlan
 from modallab.core.rig import Limits, Rig
@@ -65,7 +65,7 @@ def test_a_sound_bench_is_never_stopped_low_or_high_at_a_resonance_or_beside_it(
     lines = (3 / 1.024, 5 / 1.024, 6 / 1.024, 31 / 1.024, 96 / 1.024)
     plan = SinePlan(frequencies_hz=lines, levels_v={"only": volts}, settle_s=2.0, wait_s=1.0, settle_timeout_s=4.0)
     rig = link_rig.model_copy(update={"limits": LIMITS.model_copy(update={"acceleration_m_s2": 1000.0})})
-    run = record(open_bench("sim://cantilever?seed=2&zeta=0.01", rig), rig, plan, store, lambda _: None)
+    run = record_run(open_bench("sim://cantilever?seed=2&zeta=0.01", rig), rig, plan, store, lambda _: None)
     assert len(store.blocks(run)) == len(lines)
 
 
@@ -82,7 +82,7 @@ def test_without_a_force_sensor_a_force_control_never_raises_the_drive(store: St
     bench = Unplugged()
     plan = PLAN.model_copy(update={"force": ForceControl(levels_n={"low": 1.0})})
     with pytest.raises(SafetyError, match="force shows no force at"):
-        record(bench, SCRIPTED, plan, store, lambda _: None)
+        record_run(bench, SCRIPTED, plan, store, lambda _: None)
     assert bench.done.count("play") == 1
     (run,) = store.catalogue.runs()
     assert [row.note.accepted for row in store.catalogue.blocks(run.id)] == [False]
@@ -103,7 +103,7 @@ def test_a_force_that_does_not_answer_the_drive_as_in_the_burst_before_is_not_co
     bench = Weakened()
     plan = PLAN.model_copy(update={"force": ForceControl(levels_n={"low": 1.0})})
     with pytest.raises(SafetyError, match=r"where the\s+previous burst gave"):
-        record(bench, SCRIPTED, plan, store, lambda _: None)
+        record_run(bench, SCRIPTED, plan, store, lambda _: None)
     assert bench.done.count("play") == 2
 
 
@@ -120,7 +120,7 @@ class DeadAtRest(ScriptedBench):
 def test_a_channel_that_dies_at_rest_lets_no_further_burst_begin(store: Store) -> None:
     bench = DeadAtRest()
     with pytest.raises(SafetyError, match="a01 reads less than its own noise"):
-        record(bench, SCRIPTED, PLAN, store, lambda _: None)
+        record_run(bench, SCRIPTED, PLAN, store, lambda _: None)
     assert bench.done.count("play") == 1
     assert len(store.blocks(store.catalogue.runs()[0].id)) == 1
 
@@ -164,17 +164,17 @@ def test_what_a_channel_does_instead_says_what_has_become_of_it() -> None:
 
 
 def test_a_repetition_is_counted_over_chunks_and_within_them() -> None:
-    counter = Repetition(2)
+    counter = RepetitionCounter(2)
     first = np.array([[1, 2, 3, 3], [5, 5, 5, 1]], dtype=np.int16)
-    assert counter.longest(first).tolist() == [2, 3]
-    assert counter.longest(np.array([[3, 3, 4], [1, 2, 2]], dtype=np.int16)).tolist() == [4, 2]
+    assert counter.longest_runs(first).tolist() == [2, 3]
+    assert counter.longest_runs(np.array([[3, 3, 4], [1, 2, 2]], dtype=np.int16)).tolist() == [4, 2]
 
 
 def test_noise_that_moves_the_count_never_repeats_it_as_long_as_a_frozen_one() -> None:
     for rms in (0.6, 1.0, 20.0):
         samples = np.rint(rms * RNG.standard_normal((1, 200_000))).astype(np.int16)
         noise = RestNoise.of(samples[:, :2048], counts=True)
-        assert Repetition(1).longest(samples)[0] < noise.longest_run[0] < 300
+        assert RepetitionCounter(1).longest_runs(samples)[0] < noise.longest_run[0] < 300
     still = RestNoise.of(np.zeros((1, 2048), dtype=np.int16), counts=True)
     assert still.longest_run[0] == np.inf
     assert not still.visible[0]
@@ -206,8 +206,8 @@ def test_plugs_that_change_places_are_seen_in_a_rise_too_and_a_new_shape_is_no_f
 
     def seen(later: np.ndarray) -> list[tuple[int, int] | None]:
         places = ExchangedChannels(rest, np.ones(11))
-        places.learn(values[:, :800])
-        return [places.look(later[:, n : n + 50]) for n in (850, 870, 890)]
+        places.add_older_samples(values[:, :800])
+        return [places.find_exchanged(later[:, n : n + 50]) for n in (850, 870, 890)]
 
     assert seen(values) == [None, None, None]
     swapped = values.copy()
@@ -222,7 +222,7 @@ def test_a_response_in_a_node_is_not_missed_and_one_that_the_others_ask_for_is()
     modes[4] = 1.0, 0.5, 0.0
     known = KnownShapes()
     for _ in range(4):
-        known.keep(1000 * modes[:, :2] @ rng.standard_normal(2) + rng.standard_normal(10))
+        known.add_burst(1000 * modes[:, :2] @ rng.standard_normal(2) + rng.standard_normal(10))
     tone = 1000 * modes[:, :2] @ np.array([1.0, -0.5]) + rng.standard_normal(10)
     full = float(np.abs(tone[4]))
     tone[4] = 0.0
@@ -233,7 +233,7 @@ def test_a_response_in_a_node_is_not_missed_and_one_that_the_others_ask_for_is()
 
 def test_a_single_response_has_no_others_that_say_what_it_must_read() -> None:
     known = KnownShapes()
-    known.keep(np.array([1000.0 + 0j]))
+    known.add_burst(np.array([1000.0 + 0j]))
     assert known.must_read(0, np.array([3.0 + 0j])) == 0.0
 
 
@@ -252,7 +252,7 @@ def weak_tone_lost(at_s: float, largest: float) -> None:
     watch = Plausibility(("force", "a", "b", "c"), np.ones(4), np.ones(4), 0, (0, 1, 2, 3), rate_hz)
     watch.begin(burst, 0, rest, RestNoise.of(rest, counts=True), 0)
     for first in range(0, len(times), 40):
-        watch(Chunk(first, counts[:, first : first + 40], np.zeros(4, dtype=np.bool_)))
+        watch(SampleChunk(first, counts[:, first : first + 40], np.zeros(4, dtype=np.bool_)))
 
 
 def test_what_is_weak_beside_the_others_may_vanish_in_the_fall_and_nowhere_else() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.process.run import record, run_plan
+from modallab.acquisition.process.run import record_run, run_plan
 from modallab.core.events import Event, HitTooEarly, WaitingForRest
 from modallab.core.plan import HitAcceptance, ImpactPlan
 from modallab.storage import BlockRecord, Store
@@ -22,7 +22,7 @@ def plan(residual: float, **fields: object) -> ImpactPlan:
 
 
 def hits(store: Store, residual: float) -> list[BlockRecord]:
-    run = record(ScriptedBench([RINGS]), scripted_rig(), plan(residual), store, lambda _: None)
+    run = record_run(ScriptedBench([RINGS]), scripted_rig(), plan(residual), store, lambda _: None)
     return list(store.catalogue.blocks(run))
 
 
@@ -40,7 +40,7 @@ def test_the_next_hit_is_asked_for_when_the_plan_allows_it(
 
 def test_how_long_it_takes_is_said_and_comes_true(store: Store) -> None:
     events: list[Event] = []
-    record(ScriptedBench([RINGS]), scripted_rig(), plan(0.01, hits=2), store, events.append)
+    record_run(ScriptedBench([RINGS]), scripted_rig(), plan(0.01, hits=2), store, events.append)
     reported = [e for e in events if isinstance(e, WaitingForRest) and e.remaining_s is not None]
     assert len(reported) > 10
     # One is said every block of 0.256 s.

@@ -25,7 +25,7 @@ def count_up(first: int, count: int) -> np.ndarray:
 
 
 def write(ring: RingBuffer, count: int, over: tuple[bool, bool, bool] = (False, False, False)) -> None:
-    ring.write(count_up(ring.written, count), np.array(over))
+    ring.write(count_up(ring.samples_written, count), np.array(over))
 
 
 def test_a_reader_takes_what_was_written_across_the_end_of_the_ring(ring: RingBuffer) -> None:
@@ -55,7 +55,7 @@ def test_overload_is_of_its_stretch_and_forgotten_with_it(ring: RingBuffer) -> N
     assert ring.read(0, 4 * CELL)[2].tolist() == [[False] * 4, [False, False, True, False], [False] * 4]
     for _ in range(8):
         write(ring, CELL)
-    assert not ring.read(ring.oldest, SHAPE.capacity)[2].any()
+    assert not ring.read(ring.oldest_sample, SHAPE.capacity)[2].any()
 
 
 def _write_fast(path: Path, shape: RingBufferLayout, begin: "multiprocessing.synchronize.Event") -> None:
@@ -72,7 +72,7 @@ def test_a_reader_beside_a_writer_that_overtakes_it_never_takes_torn_samples(rin
     writer.start()
     begin.set()
     reader, at, seen, lost = RingBuffer(ring.path, SHAPE), 0, 0, 0
-    while writer.is_alive() or at < reader.written:
+    while writer.is_alive() or at < reader.samples_written:
         first, samples, _ = reader.read(at, SHAPE.capacity)
         np.testing.assert_array_equal(samples, count_up(first, samples.shape[1]))
         lost += first - at

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
 from modallab.acquisition.process.prepare_run import Order
-from modallab.acquisition.process.run import record, run_plan
+from modallab.acquisition.process.run import record_run, run_plan
 from modallab.bench.loader import open_bench
 from modallab.core.errors import BenchError, BenchTimeoutError, DeviceGoneError, SamplesLostError
 from modallab.core.events import Event
@@ -82,7 +82,7 @@ def test_on_the_cantilever_blocks_do_not_depend_on_it_either(store: Store, link_
 
 def test_events_report_the_run_in_order(store: Store) -> None:
     events: list[Event] = []
-    record(ScriptedBench(), scripted_rig(), PLAN.model_copy(update={"points": (1,)}), store, events.append)
+    record_run(ScriptedBench(), scripted_rig(), PLAN.model_copy(update={"points": (1,)}), store, events.append)
     assert kinds(events) == [
         *["created", "arming", "armed", "hit_requested", "acquiring", "block", "hit_requested", "block"],
         *["processing", "done"],
@@ -106,7 +106,7 @@ def test_events_report_the_run_in_order(store: Store) -> None:
 def test_a_bad_hit_is_kept_with_its_reason_and_asked_for_again(store: Store, strike: Strike, reason: str) -> None:
     bench = ScriptedBench([strike, Strike()])
     events: list[Event] = []
-    run = record(bench, scripted_rig(), ImpactPlan(points=(1,), hits=1, block_s=BLOCK / 2000), store, events.append)
+    run = record_run(bench, scripted_rig(), ImpactPlan(points=(1,), hits=1, block_s=BLOCK / 2000), store, events.append)
     bad, good = store.catalogue.blocks(run)
     assert (bad.note.name, bad.note.accepted, good.note.name) == ("impact_p01_1_rejected_1", False, "impact_p01_1")
     assert bad.note.reason.startswith(reason)
@@ -139,7 +139,7 @@ class KnockedBench(ScriptedBench):
 def test_a_hit_on_a_beam_that_moves_is_rejected_with_the_line_that_rings(store: Store) -> None:
     bench = KnockedBench([Strike(delay=1000)])
     with pytest.raises(BenchError, match="3 hits at point 1 were rejected"):
-        record(
+        record_run(
             bench,
             scripted_rig(),
             ImpactPlan(points=(1,), hits=1, max_rejections=2, block_s=0.256),
@@ -155,7 +155,7 @@ def test_a_hit_on_a_beam_that_moves_is_rejected_with_the_line_that_rings(store: 
 def test_no_hit_in_time_ends_the_run_and_keeps_what_there_was(store: Store) -> None:
     bench = ScriptedBench([Strike(), Strike(peak_n=0.5, response=0.0)])
     with pytest.raises(BenchTimeoutError, match="no hit above 2 N at point 2 within 5 s"):
-        record(bench, scripted_rig(), PLAN, store, lambda _: None)
+        record_run(bench, scripted_rig(), PLAN, store, lambda _: None)
     (run,) = store.catalogue.runs()
     assert run.state == "failed"
     assert len(store.blocks(run.id)) == 1
@@ -164,7 +164,7 @@ def test_no_hit_in_time_ends_the_run_and_keeps_what_there_was(store: Store) -> N
 def test_lost_samples_cost_one_hit_and_are_never_spliced(store: Store) -> None:
     bench = ScriptedBench(lose_at=[8000])
     events: list[Event] = []
-    run = record(bench, scripted_rig(), PLAN, store, events.append)
+    run = record_run(bench, scripted_rig(), PLAN, store, events.append)
     assert [b.name for b in store.blocks(run)] == ["impact_p02_1", "impact_p02_2", "impact_p01_1", "impact_p01_2"]
     (rejected,) = [e for e in events if e.kind == "hit_rejected"]
     assert "samples were lost: overrun at 8000" in rejected.reason
@@ -173,13 +173,13 @@ def test_lost_samples_cost_one_hit_and_are_never_spliced(store: Store) -> None:
 
 def test_a_device_that_loses_samples_again_and_again_ends_the_run(store: Store) -> None:
     with pytest.raises(SamplesLostError):
-        record(ScriptedBench(lose_at=[6000, 1100, 1100, 1100]), scripted_rig(), PLAN, store, lambda _: None)
+        record_run(ScriptedBench(lose_at=[6000, 1100, 1100, 1100]), scripted_rig(), PLAN, store, lambda _: None)
 
 
 def test_a_device_that_is_gone_ends_the_run_with_its_own_error(store: Store) -> None:
     events: list[Event] = []
     with pytest.raises(DeviceGoneError):
-        record(ScriptedBench(gone_at=9000), scripted_rig(), PLAN, store, events.append)
+        record_run(ScriptedBench(gone_at=9000), scripted_rig(), PLAN, store, events.append)
     assert kinds(events)[-3:] == ["stopping", "failed", "failed"]
     assert events[-1].kind == "failed"
     assert events[-1].code == "bench-gone"
@@ -189,7 +189,9 @@ def test_a_device_that_is_gone_ends_the_run_with_its_own_error(store: Store) -> 
 def test_stop_keeps_the_data_valid_and_abort_marks_them(store: Store, order: Order, state: str, valid: bool) -> None:
     bench = ScriptedBench()
     events: list[Event] = []
-    run = record(bench, scripted_rig(), PLAN, store, events.append, lambda: order if len(bench.prompts) == 3 else None)
+    run = record_run(
+        bench, scripted_rig(), PLAN, store, events.append, lambda: order if len(bench.prompts) == 3 else None
+    )
     found = store.catalogue.run(run)
     assert (found.state, found.valid) == (state, valid)
     assert kinds(events)[-2:] == ["stopping", state]
@@ -201,6 +203,6 @@ def test_a_plan_whose_patience_is_over_arms_all_the_same(store: Store) -> None:
     bench = ScriptedBench([Strike(zeta=0.002)])
     plan = ImpactPlan(points=(1,), hits=2, block_s=0.128, pre_trigger_s=0.02, hit_timeout_s=0.3, max_rejections=1)
     with pytest.raises(BenchError):
-        record(bench, scripted_rig(), plan, store, lambda _: None)
+        record_run(bench, scripted_rig(), plan, store, lambda _: None)
     (run,) = store.catalogue.runs()
     assert "not at rest before" in store.catalogue.blocks(run.id)[1].note.reason

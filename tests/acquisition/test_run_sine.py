@@ -6,7 +6,7 @@ from scripted_bench import SCALE, ScriptedBench, Strike, burst_volts, scripted_r
 
 from modallab.acquisition.procedures.burst import burst_of
 from modallab.acquisition.process.prepare_run import Order
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.protocol import Burst
 from modallab.core.errors import DeviceGoneError, SafetyError
 from modallab.core.events import Event
@@ -20,7 +20,7 @@ PLAN = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5, "high": 2
 
 
 def test_names_levels_and_frequencies_are_those_of_the_campaign_format(store: Store) -> None:
-    run = record(ScriptedBench(), RIG, PLAN, store, lambda _: None)
+    run = record_run(ScriptedBench(), RIG, PLAN, store, lambda _: None)
     found = store.catalogue.blocks(run)
     assert [(r.note.name, r.note.level, r.note.frequency_hz, r.note.drive_point) for r in found] == [
         ("sine_low_027.344", "low", 27.34375, 2),
@@ -33,7 +33,7 @@ def test_names_levels_and_frequencies_are_those_of_the_campaign_format(store: St
 
 def test_a_block_lies_in_the_settled_part_and_the_burst_has_ended_before_the_next(store: Store) -> None:
     bench = ScriptedBench()
-    run = record(bench, RIG, PLAN, store, lambda _: None)
+    run = record_run(bench, RIG, PLAN, store, lambda _: None)
     starts = [int(r.note.facts["burst_first_sample"]) for r in store.catalogue.blocks(run)]
     for row, start in zip(store.catalogue.blocks(run), starts, strict=True):
         assert row.note.first_sample == start + 2000
@@ -57,7 +57,7 @@ def test_the_burst_holds_over_the_whole_block_and_ends_at_exactly_zero() -> None
 def tripped(store: Store, bench: ScriptedBench) -> tuple[list[Event], SafetyError]:
     events: list[Event] = []
     with pytest.raises(SafetyError) as caught:
-        record(bench, RIG, PLAN, store, events.append)
+        record_run(bench, RIG, PLAN, store, events.append)
     return events, caught.value
 
 
@@ -94,13 +94,13 @@ def test_the_trip_comes_within_one_chunk_of_the_excess(store: Store) -> None:
 def test_a_limit_beyond_the_range_trips_at_the_end_of_the_range(store: Store) -> None:
     rig = scripted_rig(LIMITS.model_copy(update={"force_n": 1000.0, "acceleration_m_s2": 1000.0}))
     with pytest.raises(SafetyError, match=r"327\.7 N"):
-        record(ScriptedBench(gain=20000.0), rig, PLAN, store, lambda _: None)
+        record_run(ScriptedBench(gain=20000.0), rig, PLAN, store, lambda _: None)
 
 
 @pytest.mark.parametrize(("order", "state", "valid"), [("stop", "done", True), ("abort", "aborted", False)])
 def test_ordered_to_end_in_a_burst_it_zeroes_first(store: Store, order: Order, state: str, valid: bool) -> None:
     bench = ScriptedBench()
-    run = record(bench, RIG, PLAN, store, lambda _: None, lambda: order if bench.done.count("play") == 3 else None)
+    run = record_run(bench, RIG, PLAN, store, lambda _: None, lambda: order if bench.done.count("play") == 3 else None)
     assert bench.done[-3:] == ["play", "zero", "stop"]
     found = store.catalogue.run(run)
     assert (found.state, found.valid) == (state, valid)
@@ -109,7 +109,7 @@ def test_ordered_to_end_in_a_burst_it_zeroes_first(store: Store, order: Order, s
 
 def test_when_the_owner_is_lost_the_run_fails_with_its_blocks(store: Store) -> None:
     bench = ScriptedBench()
-    run = record(bench, RIG, PLAN, store, lambda _: None, lambda: "lost" if bench.done.count("play") == 2 else None)
+    run = record_run(bench, RIG, PLAN, store, lambda _: None, lambda: "lost" if bench.done.count("play") == 2 else None)
     assert bench.done[-3:] == ["play", "zero", "stop"]
     assert store.catalogue.run(run).state == "failed"
     assert "interrupted" in store.catalogue.run(run).reason
@@ -123,7 +123,7 @@ def test_an_error_of_any_kind_zeroes_the_output(store: Store) -> None:
             raise ValueError("a listener that fails")
 
     with pytest.raises(ValueError, match="listener"):
-        record(bench, RIG, PLAN, store, emit)
+        record_run(bench, RIG, PLAN, store, emit)
     assert bench.done[-2:] == ["zero", "stop"]
     assert store.catalogue.runs()[0].state == "failed"
 
@@ -140,7 +140,7 @@ class StubbornBench(ScriptedBench):
 def test_a_bench_that_cannot_be_zeroed_is_still_stopped_and_the_first_error_reported(store: Store) -> None:
     bench = StubbornBench(gone_at=12500)
     with pytest.raises(DeviceGoneError, match="the device is gone"):
-        record(bench, RIG, PLAN, store, lambda _: None)
+        record_run(bench, RIG, PLAN, store, lambda _: None)
     assert bench.done[-2:] == ["zero", "stop"]
 
 
@@ -153,7 +153,7 @@ def knocked(store: Store, **fields: float) -> tuple[list[str], list[int]]:
         if bench.done.count("play") == 1 and not bench.prompts and bench.position > 31500:
             bench.prompt_hit(1)
 
-    run = record(bench, RIG, PLAN.model_copy(update=fields), store, lambda _: None, control)
+    run = record_run(bench, RIG, PLAN.model_copy(update=fields), store, lambda _: None, control)
     assert bench.prompts
     found = store.catalogue.blocks(run)
     return (
@@ -179,7 +179,7 @@ def test_past_the_patience_a_burst_begins_and_the_motion_is_noted(store: Store) 
 
 def test_lost_samples_repeat_the_step(store: Store) -> None:
     bench = ScriptedBench(lose_at=[13000])
-    run = record(bench, RIG, PLAN, store, lambda _: None)
+    run = record_run(bench, RIG, PLAN, store, lambda _: None)
     assert len(store.blocks(run)) == 4
     assert bench.done.count("play") == 5
     assert "zero" in bench.done[bench.done.index("play") : -2]

@@ -7,7 +7,7 @@ import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
 from modallab.acquisition.procedures.settling import amplitude_at, fit_settling
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst
 from modallab.core.errors import PlanError
@@ -49,7 +49,7 @@ def test_the_generators_own_clock_makes_no_decay(ppm: float) -> None:
     found = fit_settling(force, motion, RATE, 4096, 84.0, MODES)
     assert found is not None
     assert found.frequency_hz == pytest.approx(84.0 * (1 + ppm * 1e-6), rel=1e-9)
-    assert found.total < 1e-6
+    assert found.total_decay < 1e-6
 
 
 def test_with_noise_the_error_is_what_sigma_says() -> None:
@@ -111,7 +111,7 @@ def sine(**fields: object) -> SinePlan:
 def test_a_block_that_has_not_settled_is_recorded_again_from_a_longer_burst(store: Store) -> None:
     # The response is 2 m/s^2, the transient 1 m/s^2 at its start: 11 % after 2 s, 0.5 % after 6.1 s.
     plan = sine(modes=(RINGS,), max_settle_s=10.0)
-    run = record(RingingBench(), scripted_rig(LIMITS), plan, store, lambda _: None)
+    run = record_run(RingingBench(), scripted_rig(LIMITS), plan, store, lambda _: None)
     first, second = store.catalogue.blocks(run)
     share = 0.5 * np.exp(-2.0 * 2 * np.pi * 60 * 0.002)
     assert first.note.facts["decay_ratio"] == pytest.approx(share, rel=0.02)
@@ -123,7 +123,7 @@ def test_a_block_that_has_not_settled_is_recorded_again_from_a_longer_burst(stor
 
 
 def test_past_the_bound_it_is_kept_and_flagged(store: Store) -> None:
-    run = record(RingingBench(), scripted_rig(LIMITS), sine(modes=(RINGS,)), store, lambda _: None)
+    run = record_run(RingingBench(), scripted_rig(LIMITS), sine(modes=(RINGS,)), store, lambda _: None)
     (only,) = store.catalogue.blocks(run)
     assert only.note.accepted
     assert "not settled" in only.note.reason
@@ -131,7 +131,7 @@ def test_past_the_bound_it_is_kept_and_flagged(store: Store) -> None:
 
 
 def test_without_known_modes_nothing_is_judged_nor_lengthened(store: Store) -> None:
-    run = record(RingingBench(), scripted_rig(LIMITS), sine(), store, lambda _: None)
+    run = record_run(RingingBench(), scripted_rig(LIMITS), sine(), store, lambda _: None)
     (only,) = store.catalogue.blocks(run)
     assert "settled" not in only.note.facts
     assert only.note.reason == ""
@@ -153,7 +153,7 @@ def test_bounds_that_make_no_sense_are_rejected_before_anything_moves(
 ) -> None:
     bench = ScriptedBench()
     with pytest.raises(PlanError, match=said):
-        record(bench, scripted_rig(LIMITS), sine(**fields), store, lambda _: None)
+        record_run(bench, scripted_rig(LIMITS), sine(**fields), store, lambda _: None)
     assert "play" not in bench.done
 
 
@@ -164,7 +164,7 @@ def test_on_the_beam_the_decay_that_is_seen_falls_as_its_mode_says(store: Store,
     seen: list[float] = []
     for settle_s in (3.0, 5.0):
         plan = SinePlan(frequencies_hz=(8 / 1.024,), settle_s=settle_s, ramp_s=0.2, wait_s=2.0, modes=modes)
-        run = record(bench, link_rig, plan, store, lambda _: None)
+        run = record_run(bench, link_rig, plan, store, lambda _: None)
         seen.append(float(store.catalogue.blocks(run)[0].note.facts["decay_ratio"]))
     assert seen[0] > 0.02
     assert seen[0] / seen[1] == pytest.approx(np.exp(2.0 * 0.01 * 2 * np.pi * truth[0]), rel=0.05)

@@ -53,20 +53,20 @@ def floor() -> Floor:
 
 def test_noise_alone_is_rest(floor: Floor) -> None:
     rng = np.random.default_rng(1)
-    assert all(check(window(rng), floor).settled for _ in range(200))
+    assert all(check(window(rng), floor).is_settled for _ in range(200))
 
 
 def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(floor: Floor) -> None:
     rng = np.random.default_rng(2)
     looks = [check(window(rng, ringing(rng, 0.2, 4.8 + rng.uniform(-0.25, 0.25))), floor) for _ in range(200)]
-    assert not any(look.settled for look in looks)
+    assert not any(look.is_settled for look in looks)
     assert max(look.level for look in looks) < 1.1
     assert all(abs(look.line * RATE / N - 4.8) < 0.8 for look in looks)
 
 
 def test_a_twentieth_of_the_noise_passes(floor: Floor) -> None:
     rng = np.random.default_rng(3)
-    assert np.mean([check(window(rng, ringing(rng, 0.05)), floor).settled for _ in range(100)]) > 0.97
+    assert np.mean([check(window(rng, ringing(rng, 0.05)), floor).is_settled for _ in range(100)]) > 0.97
 
 
 def test_a_loud_channel_is_no_rest(floor: Floor) -> None:
@@ -75,28 +75,28 @@ def test_a_loud_channel_is_no_rest(floor: Floor) -> None:
     loud[3] *= 2
     look = check(loud, floor)
     assert look.level == pytest.approx(2, rel=0.1)
-    assert not look.settled
+    assert not look.is_settled
 
 
 def test_a_hum_that_was_there_from_the_start_is_part_of_the_floor() -> None:
     rng = np.random.default_rng(5)
     hum = 5 * np.sin(2 * np.pi * 50 * T)
     humming = floor_of([window(rng, hum) for _ in range(4)])
-    assert all(check(window(rng, hum), humming).settled for _ in range(50))
-    assert not check(window(rng, hum + ringing(rng, 0.3)), humming).settled
+    assert all(check(window(rng, hum), humming).is_settled for _ in range(50))
+    assert not check(window(rng, hum + ringing(rng, 0.3)), humming).is_settled
 
 
 @pytest.mark.parametrize("offset", [1e3, 1e9])
 def test_an_offset_is_no_motion_and_hides_none(floor: Floor, offset: float) -> None:
     rng = np.random.default_rng(6)
-    assert check(window(rng) + offset, floor).settled
-    assert not check(window(rng, ringing(rng, 0.3)) + offset, floor).settled
+    assert check(window(rng) + offset, floor).is_settled
+    assert not check(window(rng, ringing(rng, 0.3)) + offset, floor).is_settled
 
 
 def test_a_channel_below_one_count_has_the_rounding_as_its_floor() -> None:
     still = floor_of([np.zeros((2, 512))] * 4)
     np.testing.assert_allclose(still.rms, 1 / np.sqrt(12))
-    assert check(np.zeros((2, 512)), still).settled
+    assert check(np.zeros((2, 512)), still).is_settled
 
 
 @pytest.mark.parametrize("channels", [1, 2, 10, 30])

@@ -10,7 +10,7 @@ from two_shakers import TIP, two_shakers
 from modallab.acquisition.procedures.broadband_checks import drive_followed_by_each_force, require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
 from modallab.acquisition.procedures.plan_checks import require_possible
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
@@ -129,7 +129,7 @@ def test_a_bench_of_one_output_and_a_generator_say_that_they_cannot(both: Rig, l
 @pytest.mark.parametrize(("shakers", "driven"), [("all", (4, 9)), ("first", (4,))])
 def test_blocks_say_which_points_were_driven(store: Store, both: Rig, shakers: str, driven: tuple[int, ...]) -> None:
     bench = open_bench(URL, both)
-    run = record(bench, both, plan_of("chirp", shakers=shakers, blocks=4), store, lambda _: None)
+    run = record_run(bench, both, plan_of("chirp", shakers=shakers, blocks=4), store, lambda _: None)
     bench.close()
     assert {b.driven_points for b in store.blocks(run)} == {driven}
     waves = {row.note.facts["wave"] for row in store.catalogue.blocks(run)}
@@ -145,7 +145,7 @@ def test_beyond_a_limit_at_the_second_force_the_run_ends_with_all_outputs_at_zer
     bench = open_bench(URL, both)
     believed = both.model_copy(update={"channels": channels})
     with pytest.raises(SafetyError, match=f"beyond the abort limit: {TIP} "):
-        record(bench, believed, plan_of("random"), store, lambda _: None)
+        record_run(bench, believed, plan_of("random"), store, lambda _: None)
     bench.start()
     samples = bench.read(2000, 1.0).samples[[c.index for c in both.forces]].astype(float)
     assert np.all(samples.std(axis=1) < 3)
@@ -160,7 +160,7 @@ def test_a_force_channel_that_fails_in_a_wave_is_named_whichever_it_is(
     for channel in both.forces:
         bench = FaultyBench(open_bench(URL, both), ChannelFault(kind, channel.index))
         with pytest.raises(SafetyError, match=f"^{channel.name} "):
-            record(bench, both, plan_of(signal), store, lambda _: None)
+            record_run(bench, both, plan_of(signal), store, lambda _: None)
         bench.close()
 
 
@@ -168,7 +168,7 @@ def test_a_shaker_whose_force_is_not_there_from_the_start_is_named(store: Store,
     """Its amplifier is off: the channel shows its noise, and follows no drive."""
     bench = FaultyBench(open_bench(URL, both), ChannelFault("unplugged", both.forces[1].index, part=-0.01))
     with pytest.raises(SafetyError, match=TIP):
-        record(bench, both, plan_of("pseudo-random"), store, lambda _: None)
+        record_run(bench, both, plan_of("pseudo-random"), store, lambda _: None)
     bench.close()
 
 
@@ -181,7 +181,7 @@ def test_force_plugs_that_have_changed_places_are_found_in_the_first_block(
     with pytest.raises(
         SafetyError, match=f"{one.name} follows the drive of {other.name}'s shaker, {other.name} follows"
     ):
-        record(bench, both, plan_of(signal), store, lambda _: None)
+        record_run(bench, both, plan_of(signal), store, lambda _: None)
     bench.close()
     assert not [row for row in store.catalogue.blocks(store.catalogue.runs()[-1].id) if row.note.accepted]
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError, Lifecycle, require_legal
+from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError, RunLifecycle, require_legal
 from modallab.core.events import RunState, StateChanged
 from modallab.storage.records import ENDED
 
@@ -43,10 +43,10 @@ def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, target: 
 @given(st.lists(states, max_size=30))
 def test_every_walk_is_reported_as_committed_and_ends_through_stopping_or_processing(walk: list[RunState]) -> None:
     repository, reported = CampaignRepository(), []
-    life = Lifecycle(repository, reported.append)
+    life = RunLifecycle(repository, reported.append)
     for state in walk:
         try:
-            life.enter(state)
+            life.enter_state(state)
         except IllegalTransitionError:
             continue
     assert [event.state for event in reported if isinstance(event, StateChanged)] == repository.committed

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.acquisition.monitor.run_states import AcceptBlock, Requests
+from modallab.acquisition.monitor.run_states import AcceptBlock, OperatorRequests
 from modallab.acquisition.procedures.struck_point.check import AccumulatedFrfs
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
@@ -44,12 +44,12 @@ def struck(
     accepting: bool = False,
 ) -> tuple[list[BlockRecord], list[Event]]:
     events: list[Event] = []
-    requests = Requests()
+    requests = OperatorRequests()
 
     def emit(event: Event) -> None:
         events.append(event)
         if accepting and event.kind == "block" and not event.accepted:
-            requests.ask(AcceptBlock(event.name))
+            requests.add(AcceptBlock(event.name))
 
     bench = Misled(open_bench(url, rig), points)
     expected = expected_modes(rig) if model else None
@@ -116,15 +116,15 @@ def test_by_reciprocity_a_point_that_has_a_sensor_is_known_before_it_is_struck()
     half = rng.standard_normal((4, 4, 50)) + 1j * rng.standard_normal((4, 4, 50))
     frf = half + half.transpose(1, 0, 2)
     known = AccumulatedFrfs(sensed_at=(1, 2, 3, 4), alike=(0, 0, 0, 1))
-    known.keep("a", 1, frf[:, 0])
-    known.keep("b", 2, frf[:, 1])
-    away = known.distances(frf[:, 2])
+    known.add_hit("a", 1, frf[:, 0])
+    known.add_hit("b", 2, frf[:, 1])
+    away = known.distances_to_points(frf[:, 2])
     assert away[3] == pytest.approx(0, abs=1e-12)
     assert min(away[1], away[2]) > 0.7
     # A sensor of another quantity knows nothing of the others' points.
     assert 4 not in away
-    known.forget("a")
-    assert 1 in known.distances(frf[:, 2])
+    known.remove_hit("a")
+    assert 1 in known.distances_to_points(frf[:, 2])
     assert known.hits_at(1) == 0
 
 

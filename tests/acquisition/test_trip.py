@@ -25,22 +25,22 @@ def test_a_trip_stays_until_it_is_reset_and_the_first_cause_holds(tmp_path: Path
     latch.trip("emergency stop", "by the operator")
     latch.trip("time-out", "later")
     again = TripLatch(tmp_path, "nidaqmx://cDAQ1")
-    assert again.tripped
+    assert again.is_tripped
     with pytest.raises(TrippedError, match=r"emergency stop at 20.*by the operator") as caught:
         again.require_reset()
     assert "reset" in caught.value.remedy
     found = again.reset()
     assert found is not None
     assert found.cause == "emergency stop"
-    assert not latch.tripped
+    assert not latch.is_tripped
     latch.require_reset()
     assert latch.reset() is None
 
 
 def test_it_belongs_to_the_output_whatever_the_addresss_options(tmp_path: Path) -> None:
     TripLatch(tmp_path, "nidaqmx+grpc://pc:1/cDAQ1?tls=a.crt").trip("emergency stop", "x")
-    assert TripLatch(tmp_path, "nidaqmx+grpc://pc:1/cDAQ1").tripped
-    assert not TripLatch(tmp_path, "nidaqmx+grpc://pc:1/cDAQ2").tripped
+    assert TripLatch(tmp_path, "nidaqmx+grpc://pc:1/cDAQ1").is_tripped
+    assert not TripLatch(tmp_path, "nidaqmx+grpc://pc:1/cDAQ2").is_tripped
 
 
 @pytest.mark.parametrize("damage", ["", "{", "[]", '{"url": "x"}', "\x00"])

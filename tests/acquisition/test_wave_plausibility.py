@@ -5,9 +5,9 @@ import pytest
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.wave_samples import flat_tops
-from modallab.acquisition.process.run import record, run_plan
+from modallab.acquisition.process.run import record_run, run_plan
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Chunk
+from modallab.bench.protocol import SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
@@ -34,7 +34,7 @@ class Timed(FaultyBench):
     seen_from = 0
     _wrong = np.zeros(0, dtype=np.int64)
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         chunk = super().read(count, timeout_s)
         self.read_so_far = chunk.first_sample + count
         wrong = chunk.first_sample + np.flatnonzero((chunk.samples != self.sound).any(axis=0))
@@ -79,7 +79,7 @@ def test_a_sound_bench_is_never_stopped_low_or_high(
     assert link_rig.limits is not None
     high = link_rig.limits.model_copy(update={"acceleration_m_s2": 1000.0})
     rig = link_rig.model_copy(update={"limits": high})
-    run = record(open_bench("sim://cantilever?seed=2", rig), rig, plan, store, lambda _: None)
+    run = record_run(open_bench("sim://cantilever?seed=2", rig), rig, plan, store, lambda _: None)
     assert len(store.blocks(run)) == 6
 
 
@@ -101,7 +101,7 @@ def test_limits_of_motion_hold_in_a_wave(store: Store, link_rig: Rig) -> None:
     rig = link_rig.model_copy(update={"limits": limits})
     bench = open_bench("sim://cantilever?seed=1", rig)
     with pytest.raises(SafetyError, match="beyond the abort limit: velocity of"):
-        record(bench, rig, plan_of("random"), store, lambda _: None)
+        record_run(bench, rig, plan_of("random"), store, lambda _: None)
 
 
 def noise_of(rms: float, rng: np.random.Generator) -> RestNoise:

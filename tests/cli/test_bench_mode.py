@@ -36,7 +36,7 @@ def after(*events: Event) -> SessionState:
         view = EventView(
             seq=n, utc="", kind=event.kind, rig="r", campaign="c", run=event.run, content=event.model_dump(mode="json")
         )
-        state = state.after(view)
+        state = state.after_event(view)
     return state
 
 
@@ -81,7 +81,7 @@ def test_every_word_fits_its_terminal(width: int) -> None:
 
 def test_a_pedal_gets_a_meaning_and_the_other_keys_stay() -> None:
     keys = KeyMap.read("undo=pagedown,accept=b")
-    assert [keys.meaning(typed) for typed in ("\x1b[6~", "b", "p", "q", "a", "u")] == [
+    assert [keys.action_of(typed) for typed in ("\x1b[6~", "b", "p", "q", "a", "u")] == [
         "undo", "accept", "pause", "quit", None, None,
     ]  # fmt: skip
 

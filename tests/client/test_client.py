@@ -27,24 +27,24 @@ def test_lists_are_read_to_their_end(client: Client) -> None:
 def test_a_session_by_the_client_alone(client: Client) -> None:
     assert client.wait_until_idle(RIG, 240.0).can_drive
     campaign = client.create_campaign("session", RIG).id
-    with client.lease(RIG, "Ada", ttl_s=600) as lease:
+    with client.take_lease(RIG, "Ada", ttl_s=600) as lease:
         run = client.start_run(campaign, ImpactPlan(points=(10, 3), hits=2), lease).id
-        states = [event.content["state"] for event in client.follow(run) if event.kind == "state"]
+        states = [event.content["state"] for event in client.follow_run(run) if event.kind == "state"]
         assert states[-1] == "done"
         blocks = client.blocks(run)
         assert [client.samples(run, block.n).shape[1] for block in blocks] == [block.count for block in blocks]
         assert client.frf(run).averages == (2, 2)
-        rejected = client.judge(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
+        rejected = client.judge_block(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
         assert (rejected.accepted, client.frf(run).averages) == (False, (1, 2))
         with pytest.raises(ServiceProblemError, match="what to do") as reported:
-            client.command(run, Stop(), lease)
+            client.command_run(run, Stop(), lease)
         assert reported.value.problem.status == 409
         # The one that waited when the block was judged has given way.
         job, before = client.jobs(campaign, "identify")
         assert (client.job(job.id).inputs, before.state) == ((run,), "cancelled")
         tripped = client.emergency_stop(RIG, "loose cable")
         assert tripped.trip is not None
-        client.reset(RIG, lease, "tightened")
+        client.reset_rig(RIG, lease, "tightened")
         assert client.rig(RIG).trip is None
     assert client.rig(RIG).lease is None
 

@@ -91,7 +91,7 @@ def test_a_request_that_got_no_answer_is_sent_again_under_the_same_key() -> None
 
 def test_a_stream_that_breaks_is_taken_up_after_the_last_event() -> None:
     with served(streams(1, 2), streams(3), streams(4, 5, ended=True)) as (client, asked):
-        assert [event.seq for event in client.follow("r")] == [1, 2, 3, 4, 5]
+        assert [event.seq for event in client.follow_run("r")] == [1, 2, 3, 4, 5]
     assert [httpx.URL(one["path"]).params["after"] for one in asked] == ["0", "2", "3"]
 
 

@@ -11,7 +11,7 @@ from ni_server import NiServer
 from pages import ROOT, fenced
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.core.units import Test
@@ -33,7 +33,9 @@ def rig() -> Rig:
 def recording(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign with one long block of each test, as the simulated bench delivered it."""
     bench = open_bench(SIMULATED, rig)
-    blocks = tuple(_recorded(bench, rig, Request(test, rate)) for test, rate in (("impact", 2000.0), ("sine", 1000.0)))
+    blocks = tuple(
+        _recorded(bench, rig, AcquisitionRequest(test, rate)) for test, rate in (("impact", 2000.0), ("sine", 1000.0))
+    )
     bench.close()
     folder = tmp_path_factory.mktemp("recording")
     write_campaign(Campaign(rig, blocks), folder / "campaign.h5")
@@ -83,7 +85,7 @@ def bench(kind: str, addresses: dict[str, str], rig: Rig) -> Iterator[Bench]:
     opened.close()
 
 
-def _recorded(bench: Bench, rig: Rig, request: Request) -> Block:
+def _recorded(bench: Bench, rig: Rig, request: AcquisitionRequest) -> Block:
     test: Test = request.test
     delivery = bench.configure(request)
     bench.start()

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Burst, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst, DeliveredSampling
 from modallab.core.errors import BenchError, ConfigurationError, ModallabError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab.core.units import SI_UNIT, TO_SI
 
-REQUESTS = [Request("impact", 2000.0), Request("sine", 1000.0)]
+REQUESTS = [AcquisitionRequest("impact", 2000.0), AcquisitionRequest("sine", 1000.0)]
 TIMEOUT_S = 10.0
 
 
 @pytest.fixture(params=REQUESTS, ids=lambda r: r.test)
-def delivery(request: pytest.FixtureRequest, bench: Bench) -> Delivery:
+def delivery(request: pytest.FixtureRequest, bench: Bench) -> DeliveredSampling:
     """What a configured and started bench said it would deliver."""
     delivered = bench.configure(request.param)
     bench.start()
@@ -37,7 +37,7 @@ def test_it_is_a_bench_that_says_what_it_is(bench: Bench):
 
 
 @pytest.mark.parametrize("request_", REQUESTS, ids=lambda r: r.test)
-def test_configure_says_what_will_be_delivered(bench: Bench, rig: Rig, request_: Request):
+def test_configure_says_what_will_be_delivered(bench: Bench, rig: Rig, request_: AcquisitionRequest):
     delivery = bench.configure(request_)
     n = len(rig.channels)
     assert delivery.requested_rate_hz == request_.rate_hz
@@ -53,7 +53,7 @@ def test_configure_says_what_will_be_delivered(bench: Bench, rig: Rig, request_:
     assert delivery.dtype.kind in "if"
 
 
-def test_the_sample_count_begins_at_zero_and_has_no_gap(bench: Bench, rig: Rig, delivery: Delivery):
+def test_the_sample_count_begins_at_zero_and_has_no_gap(bench: Bench, rig: Rig, delivery: DeliveredSampling):
     expected = 0
     for count in (1, 100, 512, 3, 250):
         chunk = bench.read(count, TIMEOUT_S)
@@ -65,7 +65,7 @@ def test_the_sample_count_begins_at_zero_and_has_no_gap(bench: Bench, rig: Rig, 
         expected += count
 
 
-def test_what_was_delivered_is_not_written_over(bench: Bench, delivery: Delivery):
+def test_what_was_delivered_is_not_written_over(bench: Bench, delivery: DeliveredSampling):
     first = bench.read(500, TIMEOUT_S).samples
     kept = first.copy()
     bench.read(700, TIMEOUT_S)
@@ -73,7 +73,7 @@ def test_what_was_delivered_is_not_written_over(bench: Bench, delivery: Delivery
     assert delivery.scale.size == len(first)
 
 
-def test_the_scale_turns_samples_into_what_the_units_say(bench: Bench, rig: Rig, delivery: Delivery):
+def test_the_scale_turns_samples_into_what_the_units_say(bench: Bench, rig: Rig, delivery: DeliveredSampling):
     samples = bench.read(512, TIMEOUT_S).samples * delivery.scale[:, None]
     for row, unit, channel in zip(samples, delivery.units, rig.channels, strict=True):
         if unit in TO_SI["voltage"]:
@@ -81,7 +81,7 @@ def test_the_scale_turns_samples_into_what_the_units_say(bench: Bench, rig: Rig,
             assert np.abs(row).max() <= limit * (1 + 1e-9)
 
 
-def test_counting_starts_again_after_stop_and_start(bench: Bench, delivery: Delivery):
+def test_counting_starts_again_after_stop_and_start(bench: Bench, delivery: DeliveredSampling):
     bench.read(300, TIMEOUT_S)
     bench.stop()
     bench.start()
@@ -133,7 +133,7 @@ def test_the_wrong_order_is_a_typed_error(bench: Bench, call: Callable[[Bench], 
     assert caught.value.remedy
 
 
-def test_configuring_or_starting_while_it_runs_is_rejected(bench: Bench, delivery: Delivery):
+def test_configuring_or_starting_while_it_runs_is_rejected(bench: Bench, delivery: DeliveredSampling):
     with pytest.raises(BenchError):
         bench.configure(REQUESTS[0])
     with pytest.raises(BenchError):
@@ -142,7 +142,7 @@ def test_configuring_or_starting_while_it_runs_is_rejected(bench: Bench, deliver
     assert delivery.rate_hz > 0
 
 
-def test_reading_after_stop_and_after_close_is_rejected(bench: Bench, delivery: Delivery):
+def test_reading_after_stop_and_after_close_is_rejected(bench: Bench, delivery: DeliveredSampling):
     bench.stop()
     with pytest.raises(BenchError):
         bench.read(10, TIMEOUT_S)
@@ -150,11 +150,11 @@ def test_reading_after_stop_and_after_close_is_rejected(bench: Bench, delivery: 
     with pytest.raises(BenchError):
         bench.read(10, TIMEOUT_S)
     with pytest.raises(BenchError):
-        bench.configure(Request("impact", delivery.rate_hz))
+        bench.configure(AcquisitionRequest("impact", delivery.rate_hz))
 
 
 @pytest.mark.parametrize("count", [0, -5])
-def test_a_read_of_nothing_is_rejected(bench: Bench, delivery: Delivery, count: int):
+def test_a_read_of_nothing_is_rejected(bench: Bench, delivery: DeliveredSampling, count: int):
     with pytest.raises(ConfigurationError):
         bench.read(count, TIMEOUT_S)
     assert delivery.rate_hz > 0
@@ -163,10 +163,10 @@ def test_a_read_of_nothing_is_rejected(bench: Bench, delivery: Delivery, count: 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan"), float("inf"), 1e12])
 def test_an_impossible_rate_is_rejected(bench: Bench, rate_hz: float):
     with pytest.raises(ConfigurationError):
-        bench.configure(Request("impact", rate_hz))
+        bench.configure(AcquisitionRequest("impact", rate_hz))
 
 
-def test_a_prompt_for_a_hit_disturbs_no_count(bench: Bench, rig: Rig, delivery: Delivery):
+def test_a_prompt_for_a_hit_disturbs_no_count(bench: Bench, rig: Rig, delivery: DeliveredSampling):
     bench.read(100, TIMEOUT_S)
     bench.prompt_hit(rig.points[-1].id)
     assert bench.read(100, TIMEOUT_S).first_sample == 100
@@ -174,7 +174,7 @@ def test_a_prompt_for_a_hit_disturbs_no_count(bench: Bench, rig: Rig, delivery: 
 
 
 def test_a_bench_that_drives_plays_a_burst_that_ends_by_itself(bench: Bench, rig: Rig):
-    delivery = bench.configure(Request("sine", 1000.0))
+    delivery = bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     row, scale = rig.force_channel.index, delivery.scale[rig.force_channel.index]
     before = (bench.read(200, TIMEOUT_S).samples[row] * scale).std()
@@ -205,7 +205,7 @@ def assert_output_rejected(bench: Bench, burst: Burst) -> None:
 
 @pytest.mark.parametrize("end", ["zero", "stop"])
 def test_zero_and_stop_end_a_burst(bench: Bench, rig: Rig, end: str):
-    delivery = bench.configure(Request("sine", 1000.0))
+    delivery = bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     if not bench.info.can_drive:
         assert_output_rejected(bench, Burst(20.0, 0.5, 0.1, 30.0))
@@ -222,7 +222,7 @@ def test_zero_and_stop_end_a_burst(bench: Bench, rig: Rig, end: str):
     assert bench.read(1000, TIMEOUT_S).samples[row, settle:].std() < 0.1 * driven
 
 
-def test_errors_of_the_rig_are_typed_too(bench: Bench, delivery: Delivery):
+def test_errors_of_the_rig_are_typed_too(bench: Bench, delivery: DeliveredSampling):
     with pytest.raises(ModallabError):
         bench.prompt_hit(10_000)
     assert delivery.rate_hz > 0

@@ -7,7 +7,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.acquisition.procedures.sensors import sensor_remarks
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.core.errors import RigError
 from modallab.core.events import Event, Notice
@@ -65,13 +65,13 @@ def test_a_run_reports_what_is_expired_and_rejects_what_contradicts(rig: Rig, tm
     events: list[Event] = []
     with Store(tmp_path) as store:
         bench = open_bench(SIM, expired)
-        record(bench, expired, plan, store, events.append)
+        record_run(bench, expired, plan, store, events.append)
         bench.close()
         assert any(isinstance(event, Notice) and "expired on 2020-01-01" in event.what for event in events)
         wrong = certified(rig, 3, serial="9999")
         bench = open_bench(SIM, wrong)
         with pytest.raises(RigError, match="9999"):
-            record(bench, wrong, plan, store, events.append)
+            record_run(bench, wrong, plan, store, events.append)
         bench.close()
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError, PlanError
 from modallab.core.events import Notice
 from modallab.core.plan import SinePlan
@@ -37,12 +37,12 @@ def server(small: Rig):
 
 def test_the_device_says_the_rate_it_gives_and_rejects_what_is_far_from_it(server: NiServer, small: Rig):
     bench = open_bench(server.url, small)
-    delivery = bench.configure(Request("sine", 1000.0))
+    delivery = bench.configure(AcquisitionRequest("sine", 1000.0))
     assert delivery.requested_rate_hz == 1000.0
     assert delivery.actual_rate_hz == pytest.approx(51_200 / 31)
-    assert bench.configure(Request("impact", 2000.0)).actual_rate_hz == pytest.approx(2048.0)
+    assert bench.configure(AcquisitionRequest("impact", 2000.0)).actual_rate_hz == pytest.approx(2048.0)
     with pytest.raises(ConfigurationError, match=r"rate_hz: 100 Hz was requested, the device gives 1651\.61 Hz"):
-        bench.configure(Request("impact", 100.0))
+        bench.configure(AcquisitionRequest("impact", 100.0))
     bench.close()
 
 
@@ -50,7 +50,7 @@ def test_a_block_is_kept_native_and_read_back_delivered(server: NiServer, small:
     plan = PLAN.model_copy(update={"rate_hz": 2048.0, "delivered_hz": 1000.0})
     bench = open_bench(server.url, small)
     with Store(tmp_path) as store:
-        run = record(bench, small, plan, store, lambda event: None)
+        run = record_run(bench, small, plan, store, lambda event: None)
         block = store.blocks(run)[0]
         row = store.catalogue.blocks(run)[0]
     bench.close()
@@ -67,7 +67,7 @@ def test_native_blocks_have_the_nearest_whole_number_of_samples(server: NiServer
     bench = open_bench(server.url, small)
     said: list[object] = []
     with Store(tmp_path) as store:
-        run = record(bench, small, PLAN.model_copy(update={"rate_hz": 2000.0}), store, said.append)
+        run = record_run(bench, small, PLAN.model_copy(update={"rate_hz": 2000.0}), store, said.append)
         block = store.blocks(run)[0]
     bench.close()
     notices = [event.what for event in said if isinstance(event, Notice)]
@@ -80,5 +80,5 @@ def test_a_delivered_rate_above_the_devices_is_rejected(server: NiServer, small:
     plan = PLAN.model_copy(update={"rate_hz": 2048.0, "delivered_hz": 4000.0})
     bench = open_bench(server.url, small)
     with Store(tmp_path) as store, pytest.raises(PlanError, match="delivered_hz"):
-        record(bench, small, plan, store, lambda event: None)
+        record_run(bench, small, plan, store, lambda event: None)
     bench.close()

@@ -9,7 +9,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.errors import ConfigurationError, DeviceGoneError, OutputLostError
 from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
@@ -181,7 +181,7 @@ def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
         with_generator = driven(rig, server.generator, "siglent-sdg")
         bench = open_bench(server.url, with_generator)
         assert bench.info.can_drive
-        bench.configure(Request("sine", RATE_HZ))
+        bench.configure(AcquisitionRequest("sine", RATE_HZ))
         bench.start()
         row = rig.force_channel.index
         before = bench.read(500, 1.0).samples[row].std()

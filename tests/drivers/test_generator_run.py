@@ -6,7 +6,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.acquisition.process.prepare_run import Order
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.core.errors import OutputLostError
 from modallab.core.hardware import Excitation
@@ -37,7 +37,7 @@ def test_of_a_burst_that_was_changed_by_hand_no_block_is_kept(rig: Rig, tmp_path
             return None
 
         with pytest.raises(OutputLostError, match="offset: 0 was set, the generator now reports 2"):
-            record(bench, driven, PLAN, store, lambda _: None, hand)
+            record_run(bench, driven, PLAN, store, lambda _: None, hand)
         bench.close()
         assert store.catalogue.blocks(store.catalogue.runs()[-1].id) == ()
 
@@ -48,7 +48,7 @@ def test_a_complete_run_keeps_each_block_with_what_the_generator_said_it_played(
         server.say("preamplifiers sine")
         driven = driven_by(rig, server)
         bench = open_bench(server.url, driven)
-        run = record(bench, driven, plan, store, lambda _: None)
+        run = record_run(bench, driven, plan, store, lambda _: None)
         rows = store.catalogue.blocks(run)
         bench.close()
         assert [(row.note.frequency_hz, row.note.accepted) for row in rows] == [(30.0, True), (40.0, True)]

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.monitor.run_states import Requests
-from modallab.acquisition.process.run import record, run_plan
+from modallab.acquisition.monitor.run_states import OperatorRequests
+from modallab.acquisition.process.run import record_run, run_plan
 from modallab.bench.capabilities import ReferenceTrigger, TriggersInHardware
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
 from modallab.core.events import Event
 from modallab.core.plan import ImpactPlan
@@ -42,7 +42,7 @@ def test_hits_are_found_by_the_device_with_the_pre_trigger_before_them(
     events: list[Event] = []
     bench = open_bench(striking.url, rig)
     with Store(tmp_path) as store:
-        run = record(bench, rig, PLAN, store, operator(striking, events))
+        run = record_run(bench, rig, PLAN, store, operator(striking, events))
         blocks, rows = store.blocks(run), store.catalogue.blocks(run)
     bench.close()
     assert [b.name for b in blocks] == ["impact_p10_1", "impact_p10_2"]
@@ -63,7 +63,7 @@ def test_with_a_pause_the_device_waits_no_longer_and_is_armed_again(
     striking: NiServer, rig: Rig, tmp_path: Path
 ) -> None:
     events: list[Event] = []
-    requests = Requests()
+    requests = OperatorRequests()
     strike = operator(striking, events)
 
     def notify(event: Event) -> None:
@@ -88,11 +88,11 @@ def test_with_a_pause_the_device_waits_no_longer_and_is_armed_again(
 def test_a_bench_without_a_trigger_rejects_the_plan_naming_the_field(rig: Rig, tmp_path: Path) -> None:
     bench = open_bench("sim://cantilever?seed=1", rig)
     with Store(tmp_path) as store, pytest.raises(PlanError, match="trigger: hardware, but this bench"):
-        record(bench, rig, PLAN, store, lambda _: None)
+        record_run(bench, rig, PLAN, store, lambda _: None)
 
 
 def armed(bench: Bench, rig: Rig, level: float, pre_trigger: int = 500) -> TriggersInHardware:
-    bench.configure(Request("impact", 2000.0))
+    bench.configure(AcquisitionRequest("impact", 2000.0))
     assert isinstance(bench, TriggersInHardware)
     bench.arm(ReferenceTrigger(rig.force_channel.index, level, level / 2, pre_trigger, pre_trigger + 500))
     return bench
@@ -124,12 +124,12 @@ def test_while_it_waits_nothing_streams_and_a_device_that_goes_is_said(striking:
     with pytest.raises(ConfigurationError, match="armed"):
         bench.read(10, 1.0)
     with pytest.raises(ConfigurationError, match="armed"):
-        bench.configure(Request("impact", 2000.0))
+        bench.configure(AcquisitionRequest("impact", 2000.0))
     striking.say("fault unplugged -201003")
     with pytest.raises(DeviceGoneError, match="-201003"):
         waiting.triggered(1.0)
     striking.say("fault plugged")
-    bench.configure(Request("impact", 2000.0))
+    bench.configure(AcquisitionRequest("impact", 2000.0))
     bench.start()
     assert bench.read(10, 5.0).first_sample == 0
     bench.close()

@@ -14,7 +14,7 @@ from ni_server import NiServer
 
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.errors import ConfigurationError, DeviceBusyError
 from modallab.core.hardware import Excitation
 from modallab.core.plan import SinePlan
@@ -111,7 +111,7 @@ def test_nothing_is_driven_without_a_watchdog_or_a_reason(server: NiServer, rig:
         require_possible(plan, rig, bench.info)
     require_possible(plan, rig.model_copy(update={"excitation": WAIVED}), bench.info)
     # To read is another matter, and to drive past the plan's check is not possible either.
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     bench.read(100, 5.0)
     with pytest.raises(ConfigurationError, match="watchdog_waived"):

@@ -8,7 +8,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.core.errors import (
     BenchError,
     BenchTimeoutError,
@@ -21,7 +21,7 @@ from modallab.core.errors import (
 from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 
-SINE = Request("sine", 1000.0)
+SINE = AcquisitionRequest("sine", 1000.0)
 BURST = Burst(20.0, 0.5, 0.1, 1.0)
 
 
@@ -68,7 +68,7 @@ def test_a_buffer_that_is_not_read_in_time_overflows(rig: Rig, monkeypatch: pyte
     monkeypatch.setattr("modallab_drivers.ni_daqmx.input_task.BUFFER_S", 0.1)
     with NiServer(rig, "9215", "--cables", "--pace", virtual=False) as server:
         bench = open_bench(server.url, rig)
-        bench.configure(Request("impact", 50_000.0))
+        bench.configure(AcquisitionRequest("impact", 50_000.0))
         bench.start()
         bench.read(1000, 5.0)
         while server.say("time")["bench_s"] < 3.0:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import (
     BenchTimeoutError,
@@ -53,7 +53,7 @@ def save(rig: Rig, blocks: tuple[Block, ...], folder: Path) -> str:
 
 def test_every_sample_comes_back_and_no_gap_is_spliced(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     bench = open_bench(save(rig, blocks, tmp_path), rig)
-    bench.configure(Request("impact", RATE_HZ))
+    bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     for n, block in enumerate(blocks):
         chunk = bench.read(N, 1.0)
@@ -67,7 +67,7 @@ def test_a_read_over_the_end_of_a_block_is_lost_samples_and_the_next_block_follo
     rig: Rig, blocks: tuple[Block, ...], tmp_path: Path
 ):
     bench = open_bench(save(rig, blocks, tmp_path), rig)
-    bench.configure(Request("impact", RATE_HZ))
+    bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     bench.read(N - 10, 1.0)
     with pytest.raises(SamplesLostError, match=r"ends at sample 600, 10 samples ahead; 4000 comes next"):
@@ -78,7 +78,7 @@ def test_a_read_over_the_end_of_a_block_is_lost_samples_and_the_next_block_follo
 def test_blocks_whose_places_were_not_counted_are_never_joined(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     uncounted = tuple(replace(block, first_sample=0) for block in blocks)
     bench = open_bench(save(rig, uncounted, tmp_path), rig)
-    bench.configure(Request("impact", RATE_HZ))
+    bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     assert [bench.read(N, 1.0).first_sample for _ in blocks] == [0, N + 1, 2 * (N + 1)]
 
@@ -86,10 +86,10 @@ def test_blocks_whose_places_were_not_counted_are_never_joined(rig: Rig, blocks:
 def test_another_rate_another_test_and_output_are_rejected(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     bench = open_bench(save(rig, blocks, tmp_path), rig)
     with pytest.raises(ConfigurationError, match=r"1000 Hz.*2000 Hz"):
-        bench.configure(Request("impact", 1000.0))
+        bench.configure(AcquisitionRequest("impact", 1000.0))
     with pytest.raises(ConfigurationError, match="no sine test"):
-        bench.configure(Request("sine", 1000.0))
-    bench.configure(Request("impact", RATE_HZ))
+        bench.configure(AcquisitionRequest("sine", 1000.0))
+    bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     with pytest.raises(UnsupportedError, match="no output"):
         bench.play(Burst(20.0, 0.5, 0.1, 1.0))
@@ -101,7 +101,7 @@ def test_its_speed_is_kept(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     for _ in range(5):
         bench = open_bench(url, rig)
         assert bench.info.real_time
-        bench.configure(Request("impact", RATE_HZ))
+        bench.configure(AcquisitionRequest("impact", RATE_HZ))
         bench.start()
         began = time.monotonic()
         bench.read(N, 1.0)

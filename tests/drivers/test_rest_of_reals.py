@@ -13,5 +13,5 @@ def test_a_ringing_beam_is_seen_in_volts_as_in_counts(volts_per_count: float):
     ringing = 0.5 * volts_per_count * np.sin(2 * np.pi * 10 * np.arange(4096) / 4096)
     floor = floor_of(windows, counts=volts_per_count == 1.0)
     np.testing.assert_allclose(floor.rms, volts_per_count, rtol=0.05)
-    assert check_settled(WindowLevels.of(windows[0], floor.rms), floor).settled
-    assert not check_settled(WindowLevels.of(windows[1] + ringing, floor.rms), floor).settled
+    assert check_settled(WindowLevels.of(windows[0], floor.rms), floor).is_settled
+    assert not check_settled(WindowLevels.of(windows[1] + ringing, floor.rms), floor).is_settled

@@ -154,7 +154,7 @@ def test_a_tripped_rig_is_reset_by_a_command(rig: Rig, tmp_path: Path, capsys: p
     command = ["rig", "reset", str(file), "--data", str(tmp_path / "data")]
     assert main(command) == 0
     assert "was tripped by emergency stop" in capsys.readouterr().out.replace("\n", " ")
-    assert not latch.tripped
+    assert not latch.is_tripped
     assert main(command) == 0
     assert "is not tripped" in capsys.readouterr().out
 

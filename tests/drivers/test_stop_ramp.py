@@ -13,7 +13,7 @@ from stop_trace import RATE_HZ, Stop, seen
 
 from modallab.bench.capabilities import PlaysWaves
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request, Waveform
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst, Waveform
 from modallab.bench.ramp_down import FALL_S, ramp_down_s, ramp_down_samples
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx import ramp_down
@@ -48,7 +48,7 @@ def opened(server: NiServer, rig: Rig) -> Bench:
 
 def playing(server: NiServer, rig: Rig, burst: Burst, after_s: float) -> Bench:
     bench = opened(server, rig)
-    bench.configure(Request("sine", 2000.0))
+    bench.configure(AcquisitionRequest("sine", 2000.0))
     bench.start()
     bench.play(burst)
     bench.read(round(2000 * after_s), 5.0)
@@ -123,7 +123,7 @@ def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Ri
     wave = wave_like_noise(rng)
     bench = opened(paced, rig)
     assert isinstance(bench, PlaysWaves)
-    bench.configure(Request("random", 2000.0))
+    bench.configure(AcquisitionRequest("random", 2000.0))
     bench.start()
     bench.play_wave(wave)
     bench.read(round(2000 * rng.uniform(0.3, 1.5)), 5.0)
@@ -157,7 +157,7 @@ def test_the_file_of_a_wave_is_there_while_it_plays_and_no_longer(
     wave = wave_like_noise(np.random.default_rng())
     bench = opened(paced, rig)
     assert isinstance(bench, PlaysWaves)
-    bench.configure(Request("random", 2000.0))
+    bench.configure(AcquisitionRequest("random", 2000.0))
     bench.start()
     bench.play_wave(wave)
     assert len(list(tmp_path.glob("modallab-wave-*"))) == 1

@@ -13,7 +13,7 @@ from ni_server import NiServer
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import Trip, TrippedError
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.errors import DeviceBusyError, ModallabError, OutputLostError, SamplesLostError
 from modallab.core.hardware import Excitation
 from modallab.core.plan import SinePlan
@@ -85,7 +85,7 @@ def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiSe
     runner.join()
     process.close()
     bench = open_bench(paced.url, rig)
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     assert bench.read(100, 5.0).first_sample == 0
     bench.close()
@@ -177,7 +177,7 @@ def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, ri
 @pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(ni_server: NiServer, rig: Rig):
     bench = open_bench(ni_server.url, rig)
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     handles = [h for h in (open_output(ni_server.url, rig), open_output(ni_server.url, rig)) if h is not None]
     assert len(handles) == 2
@@ -209,7 +209,7 @@ def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(
 def test_a_watchdog_that_expired_before_the_burst_wants_a_new_start_and_watches_again(paced: NiServer, rig: Rig):
     guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=WATCHDOG_S)})
     bench = open_bench(paced.url, guarded)
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     # Nobody reads for so long that it expires.
     time.sleep(1.5 * WATCHDOG_S)
@@ -232,7 +232,7 @@ def test_a_watchdog_that_expired_before_the_burst_wants_a_new_start_and_watches_
 
 def test_what_a_killed_client_left_is_rejected_by_name_and_can_be_given_back(ni_server: NiServer, rig: Rig):
     left = open_bench(ni_server.url, rig)
-    left.configure(Request("sine", 1000.0))
+    left.configure(AcquisitionRequest("sine", 1000.0))
     left.start()
     left.play(Burst(20.0, 0.5, 0.1, 30.0))
     left.read(500, 5.0)
@@ -244,7 +244,7 @@ def test_what_a_killed_client_left_is_rejected_by_name_and_can_be_given_back(ni_
     handle.release()
     handle.close()
     bench = open_bench(ni_server.url, rig)
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     bench.read(500, 5.0)
     assert ni_server.say("levels 0.05")[OUTPUT] == 0.0
@@ -253,7 +253,7 @@ def test_what_a_killed_client_left_is_rejected_by_name_and_can_be_given_back(ni_
 
 def test_a_finite_burst_ends_at_zero_by_itself(ni_server: NiServer, rig: Rig):
     bench = open_bench(ni_server.url, rig)
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     bench.play(Burst(19.7, 0.5, 0.1, 0.83))
     bench.read(500, 5.0)

@@ -7,7 +7,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.commissioning.rig_check import Finding
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation, delay_between
 from modallab.core.errors import ConfigurationError
@@ -102,7 +102,7 @@ def test_cards_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_k
 def off_ppm(server: NiServer, rig: Rig) -> float:
     """By how much the frequency of a played tone is off in the samples, in millionths."""
     bench = open_bench(server.url, rig)
-    rate_hz = bench.configure(Request("impact", RATE_HZ)).rate_hz
+    rate_hz = bench.configure(AcquisitionRequest("impact", RATE_HZ)).rate_hz
     bench.start()
     bench.play(Burst(TONE_HZ, 0.5, 0.05, 2.0))
     bench.read(round(0.2 * rate_hz), 5.0)

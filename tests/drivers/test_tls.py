@@ -7,11 +7,11 @@ import trustme
 from ni_server import NiServer
 
 from modallab.bench.loader import find_devices, open_bench, open_output
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab.core.rig import Rig
 
-SINE = Request("sine", 1000.0)
+SINE = AcquisitionRequest("sine", 1000.0)
 
 
 class Authority:

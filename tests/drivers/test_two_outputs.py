@@ -10,10 +10,10 @@ from ni_server import NiServer
 from two_shakers import TIP, two_shakers
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request, Waveform
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, SafetyError
 from modallab.core.hardware import Excitation, Shaker
 from modallab.core.plan import BroadbandPlan
@@ -57,7 +57,7 @@ def server(both: Rig) -> Iterator[NiServer]:
 
 def started(server: NiServer, rig: Rig, *, test: str = "pseudo-random") -> tuple[Bench, float]:
     bench = open_bench(server.url, rig)
-    rate_hz = bench.configure(Request("sine" if test == "sine" else "pseudo-random", RATE_HZ)).rate_hz
+    rate_hz = bench.configure(AcquisitionRequest("sine" if test == "sine" else "pseudo-random", RATE_HZ)).rate_hz
     bench.start()
     bench.read(400, 2.0)
     return bench, rate_hz
@@ -137,7 +137,7 @@ def test_waves_that_cannot_go_together_are_rejected_with_their_numbers(cabled: N
 def test_a_run_on_a_device_tells_the_two_forces_apart(server: NiServer, both: Rig, tmp_path: Path) -> None:
     with Store(tmp_path / "data") as store:
         bench = open_bench(server.url, both)
-        run = record(bench, both, PLAN, store, lambda _: None)
+        run = record_run(bench, both, PLAN, store, lambda _: None)
         bench.close()
         blocks = store.blocks(run)
         assert {b.driven_points for b in blocks} == {(4, 9)}
@@ -157,7 +157,7 @@ def test_beyond_a_limit_at_the_second_force_both_outputs_end(server: NiServer, b
     with Store(tmp_path / "data") as store:
         bench = open_bench(server.url, believed)
         with pytest.raises(SafetyError, match=f"beyond the abort limit: {TIP} .* N"):
-            record(bench, believed, PLAN, store, lambda _: None)
+            record_run(bench, believed, PLAN, store, lambda _: None)
         bench.start()
         bench.read(400, 2.0)
         assert max(levels(server, 0.05)) == 0.0

@@ -7,10 +7,10 @@ import pytest
 from ni_server import NiServer
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, wave_of
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import PlaysWaves
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Request, Waveform
+from modallab.bench.protocol import AcquisitionRequest, Waveform
 from modallab.core.errors import ConfigurationError, UnsupportedError
 from modallab.core.hardware import Excitation
 from modallab.core.plan import BroadbandPlan
@@ -25,7 +25,7 @@ def test_a_wave_is_played_as_it_was_computed_and_ends_at_zero(rig: Rig):
     with NiServer(rig, "9215", "--cables") as server:
         bench = open_bench(server.url, rig)
         assert isinstance(bench, PlaysWaves)
-        rate_hz = bench.configure(Request("pseudo-random", RATE_HZ)).rate_hz
+        rate_hz = bench.configure(AcquisitionRequest("pseudo-random", RATE_HZ)).rate_hz
         bench.start()
         bench.read(400, 2.0)
         layout = layout_of(PLAN, 3, PLAN.block_s)
@@ -53,7 +53,7 @@ def test_a_broadband_run_records_its_blocks_on_a_device(rig: Rig, tmp_path: Path
     with NiServer(rig, "9215") as server, Store(tmp_path / "data") as store:
         server.say("preamplifiers sine")
         bench = open_bench(server.url, rig)
-        run = record(bench, rig, PLAN, store, lambda _: None)
+        run = record_run(bench, rig, PLAN, store, lambda _: None)
         bench.close()
         blocks = store.blocks(run)
         assert len(blocks) == 3
@@ -69,5 +69,5 @@ def test_a_sine_generator_says_that_it_plays_no_waves(rig: Rig, tmp_path: Path):
         driven = rig.model_copy(update={"excitation": excitation})
         bench = open_bench(server.url, driven)
         with pytest.raises(UnsupportedError, match="a sine generator plays no pseudo-random drive"):
-            record(bench, driven, PLAN, store, lambda _: None)
+            record_run(bench, driven, PLAN, store, lambda _: None)
         bench.close()

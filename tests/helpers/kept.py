@@ -26,7 +26,7 @@ class Follower:
     def _follow(self) -> None:
         # Once its service has ended, another may answer at its address, and know nothing of its token.
         with Client(self.url, self.token) as client, suppress(ServiceProblemError):
-            for event in client.follow_all():
+            for event in client.follow_events():
                 self.events.append(event)
 
 

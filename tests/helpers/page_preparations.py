@@ -29,7 +29,7 @@ from twin_campaign import built, link
 from unsure import remaining_explanations, rig_of_sensors
 
 import modallab as ml
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.cli import main
 from modallab.cli.demo import demo_rig
@@ -90,7 +90,7 @@ def _close_the_gap(folder: Path) -> Iterator[dict[str, Any]]:
 def _recorded(rig: Rig, plan: ImpactPlan, data: Path) -> Campaign:
     """A test on the rig's simulated bench, in this process."""
     with Store(data) as store:
-        return campaign_of(store, [record(open_bench(rig.bench, rig), rig, plan, store, lambda _: None)])
+        return campaign_of(store, [record_run(open_bench(rig.bench, rig), rig, plan, store, lambda _: None)])
 
 
 @contextmanager
@@ -144,8 +144,8 @@ def _identify_a_band(folder: Path) -> Iterator[dict[str, Any]]:
     """Responses to a random force, of two modes: at 2000 Hz in a file, at 128 Hz as an array and in three set-ups."""
     write_campaign(ml.responses(_random(2000.0, 60.0)[:3], 2000.0, points=[1, 2, 3]).campaign, folder / "random.h5")
     for name, rows in {"left": [0, 1, 2], "middle": [0, 3, 2], "right": [0, 4, 2]}.items():
-        record = ml.responses(_random(128.0, 100.0)[rows], 128.0, points=[row + 1 for row in rows])
-        write_campaign(record.campaign, folder / f"{name}.h5")
+        record_run = ml.responses(_random(128.0, 100.0)[rows], 128.0, points=[row + 1 for row in rows])
+        write_campaign(record_run.campaign, folder / f"{name}.h5")
     forces = np.random.default_rng(2).standard_normal((2, 25600))
     yield {"names": {"y": _random(128.0, 200.0)[:3], "forces": forces, "answers": _shaken(forces, 128.0)}}
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.bench.protocol import BenchInfo, DeliveredSampling
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Channel, Rig
 from modallab.storage import BlockNote, Store
@@ -18,7 +18,9 @@ def record_run(store: Store, blocks: int) -> str:
     plan = ImpactPlan(points=(1,), block_s=SAMPLES / 2000)
     noise = np.random.default_rng(1).integers(-999, 999, (blocks, 2, SAMPLES), dtype="int16")
     with store.begin(plan, rig, BenchInfo("sim://somewhere", (), True, False, {})) as recorder:
-        recorder.open(Delivery(2000.0, 2000.0, 2000.0, np.dtype("int16"), np.array([1e-4, 2e-4]), ("V", "V")), SAMPLES)
+        recorder.open(
+            DeliveredSampling(2000.0, 2000.0, 2000.0, np.dtype("int16"), np.array([1e-4, 2e-4]), ("V", "V")), SAMPLES
+        )
         for n, samples in enumerate(noise):
             recorder.record(samples, BlockNote(f"b{n}", "impact", SAMPLES * n, 1))
         recorder.enter("done")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from two_shakers import TIP, two_shakers
 
-from modallab.acquisition.process.run import record
+from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
@@ -75,7 +75,7 @@ def recorded(
     )
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "data") as store:
         bench = open_bench(url, rig)
-        run = record(bench, rig, plan, store, lambda _: None)
+        run = record_run(bench, rig, plan, store, lambda _: None)
         bench.close()
         return Campaign(rig, tuple(store.blocks(run)))
 

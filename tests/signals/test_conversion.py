@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.bench.protocol import Delivery
+from modallab.bench.protocol import DeliveredSampling
 from modallab.core.errors import DataError, RigError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test
@@ -20,11 +20,11 @@ def rig(**response: object) -> Rig:
     )
 
 
-def delivery(units: tuple[str, str] = ("V", "V"), scale: float = 10 / 2**15) -> Delivery:
-    return Delivery(2000.0, 2000.0, 2000.0, np.dtype(np.int16), np.full(2, scale), units)
+def delivery(units: tuple[str, str] = ("V", "V"), scale: float = 10 / 2**15) -> DeliveredSampling:
+    return DeliveredSampling(2000.0, 2000.0, 2000.0, np.dtype(np.int16), np.full(2, scale), units)
 
 
-def conversion_of(rig: Rig, delivery: Delivery, test: Test) -> Conversion:
+def conversion_of(rig: Rig, delivery: DeliveredSampling, test: Test) -> Conversion:
     return Conversion.of(rig, test, delivery.units, delivery.scale, delivery.dtype)
 
 

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 import pytest
 
-from modallab.bench.protocol import Bench, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
@@ -27,7 +27,7 @@ def running(rig: Rig) -> Iterator[Running]:
     def open_running(query: str = "seed=1", test: str = "impact", rate_hz: float = 2000.0) -> Bench:
         bench = open_bench(f"sim://cantilever?{query}", rig)
         benches.append(bench)
-        bench.configure(Request(test, rate_hz))
+        bench.configure(AcquisitionRequest(test, rate_hz))
         bench.start()
         return bench
 

@@ -4,7 +4,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.rig import Converter, Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
@@ -39,7 +39,7 @@ def resting(effects: str, *, seconds: float = 3.0, query: str = "seed=1") -> np.
 def _recorded(test: str, effects: str, query: str, seconds: float, excite) -> np.ndarray:
     named = "".join(f"&effect={effect}" for effect in effects.split(";") if effect)
     bench = open_bench(f"sim://cantilever?bad_hits=0&{query}{named}", noiseless_rig())
-    delivery = bench.configure(Request(test, RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest(test, RATE_HZ))
     bench.start()
     excite(bench)
     samples = bench.read(round(seconds * RATE_HZ), 1.0).samples * delivery.scale[:, None]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.core.errors import ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever import open_bench
@@ -152,7 +152,7 @@ def test_impossible_bursts_are_rejected(running: Running, burst: Burst):
 def test_a_rig_without_shaker_cannot_drive(rig: Rig):
     bench = open_bench("sim://cantilever", rig.model_copy(update={"shaker_point": None}))
     assert not bench.info.can_drive
-    bench.configure(Request("sine", 1000.0))
+    bench.configure(AcquisitionRequest("sine", 1000.0))
     bench.start()
     with pytest.raises(UnsupportedError, match="no shaker"):
         bench.play(BURST)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.core.errors import BenchTimeoutError, ConfigurationError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab_simulators.cantilever import open_bench
@@ -76,7 +76,7 @@ def test_full_scale_clips_and_is_flagged(running: Running):
 def test_only_the_channel_beyond_its_range_is_flagged(rig: Rig):
     narrow = [c.model_copy(update={"range_v": 0.01}) if c.name == "a10" else c for c in rig.channels]
     bench = open_bench("sim://cantilever", rig.model_copy(update={"channels": tuple(narrow)}))
-    delivery = bench.configure(Request("sine", 1000.0))
+    delivery = bench.configure(AcquisitionRequest("sine", 1000.0))
     assert delivery.scale[10] == pytest.approx(0.01 / 2**15)
     bench.start()
     bench.play(Burst(20.0, 0.5, 0.1, 2.0))
@@ -88,7 +88,7 @@ def test_sensitivity_direction_and_unit_of_a_channel_are_applied(rig: Rig):
         tip = Channel.model_validate({**rig.channels[10].model_dump(), **changes})
         other = rig.model_copy(update={"channels": (*rig.channels[:10], tip), "converter": Converter(noise_rms_v=0)})
         bench = open_bench("sim://cantilever?seed=2&bad_hits=0", other)
-        bench.configure(Request("impact", 2000.0))
+        bench.configure(AcquisitionRequest("impact", 2000.0))
         bench.start()
         bench.play(Burst(5.0, 5.0, 1.0, 3.0))
         return bench.read(8000, 1.0).samples[10].astype(float)
@@ -115,7 +115,7 @@ def test_the_converter_is_the_rigs(rig: Rig, bits: int, dtype: type):
     other = rig.model_copy(update={"converter": Converter(bits=bits, range_v=5.0, noise_rms_v=0.003)})
     plain = tuple(c.model_copy(update={"range_v": None}) for c in rig.channels)
     bench = open_bench("sim://cantilever", other.model_copy(update={"channels": plain}))
-    delivery = bench.configure(Request("impact", 2000.0))
+    delivery = bench.configure(AcquisitionRequest("impact", 2000.0))
     bench.start()
     samples = bench.read(20_000, 1.0).samples
     assert samples.dtype == delivery.dtype == dtype
@@ -127,7 +127,7 @@ def test_the_converter_is_the_rigs(rig: Rig, bits: int, dtype: type):
 def test_paced_reads_take_real_time_and_time_out_without_loss(rig: Rig):
     bench = open_bench("sim://cantilever?pace=1", rig)
     assert bench.info.real_time
-    bench.configure(Request("impact", 2000.0))
+    bench.configure(AcquisitionRequest("impact", 2000.0))
     began = time.monotonic()
     bench.start()
     with pytest.raises(BenchTimeoutError, match="nothing is lost"):
@@ -160,4 +160,4 @@ def test_rigs_it_cannot_be_are_rejected(rig: Rig, changes: dict[str, object], sa
         beam = beam.model_copy(update={"thickness_m": changes["thickness"]})
     other = {"channels": tuple(channels), "beam": beam, "model": changes.get("model", rig.model)}
     with pytest.raises(ConfigurationError, match=says):
-        open_bench("sim://cantilever", rig.model_copy(update=other)).configure(Request("impact", 2000.0))
+        open_bench("sim://cantilever", rig.model_copy(update=other)).configure(AcquisitionRequest("impact", 2000.0))

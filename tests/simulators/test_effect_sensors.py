@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from noiseless_bench import RATE_HZ, driven, noiseless_rig, resting, struck, tone
 
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever import open_bench
 
@@ -68,7 +68,7 @@ def test_noisy_channel():
     rig = noiseless_rig()
     rig = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": NOISE_V})})
     bench = open_bench("sim://cantilever?effect=noisy_channel,channel=4,factor=30", rig)
-    scale = bench.configure(Request("impact", RATE_HZ)).scale
+    scale = bench.configure(AcquisitionRequest("impact", RATE_HZ)).scale
     bench.start()
     spread = (bench.read(40_000, 1.0).samples * scale[:, None]).std(axis=1)
     np.testing.assert_allclose(spread, NOISE_V * np.where(np.arange(11) == 4, 30, 1), rtol=0.03)

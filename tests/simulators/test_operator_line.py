@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench
 from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.signals.conversion import Conversion
@@ -23,7 +23,7 @@ def free_port() -> int:
 
 def opened(port: int) -> tuple[Bench, Conversion]:
     bench = open_bench(f"sim://cantilever?seed=1&zeta=0.005&operator={port}", RIG)
-    delivery = bench.configure(Request("impact", 2000.0))
+    delivery = bench.configure(AcquisitionRequest("impact", 2000.0))
     bench.start()
     return bench, Conversion.of(RIG, "impact", delivery.units, delivery.scale, delivery.dtype)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.bench.protocol import BenchInfo, DeliveredSampling
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Channel, Rig
 from modallab.storage import Recorder, Store
@@ -18,8 +18,8 @@ def small_rig(name: str = "small") -> Rig:
     return Rig(name=name, model="unknown", channels=(force, response))
 
 
-def delivery(dtype: str = "int16") -> Delivery:
-    return Delivery(1000.0, 1651.6, 2000.0, np.dtype(dtype), np.array([1e-4, 2e-4]), ("V", "V"))
+def delivery(dtype: str = "int16") -> DeliveredSampling:
+    return DeliveredSampling(1000.0, 1651.6, 2000.0, np.dtype(dtype), np.array([1e-4, 2e-4]), ("V", "V"))
 
 
 def begin(store: Store, *, rig: Rig | None = None, dtype: str = "int16", plan: ImpactPlan = PLAN) -> Recorder:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.bench.protocol import BenchInfo, DeliveredSampling
 from modallab.core.errors import DiskFullError
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Channel, Rig
@@ -31,7 +31,7 @@ def main(mount: Path) -> dict[str, object]:
     rng = np.random.default_rng(6)
     with Store(mount / "data") as store:
         bench = BenchInfo("sim://somewhere", (), True, False, {})
-        delivery = Delivery(2000.0, 2000.0, 2000.0, np.dtype("int32"), np.ones(11), ("V",) * 11)
+        delivery = DeliveredSampling(2000.0, 2000.0, 2000.0, np.dtype("int32"), np.ones(11), ("V",) * 11)
         recorder = store.begin(plan, rig, bench)
         code = ""
         with recorder:

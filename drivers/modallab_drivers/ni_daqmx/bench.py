@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.capabilities import ReferenceTrigger, SyncState
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
+from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.channels import teds_sensitivities, teds_serials
@@ -39,7 +39,7 @@ class NiBench:
         self._inputs: Inputs | None = None
         self._state: State = "open"
         self._position = 0
-        self._request: Request | None = None
+        self._request: AcquisitionRequest | None = None
         self._record: TriggeredRecord | None = None
         devices = self._route.devices()
         self._plugs: tuple[Plug, ...] = plugs_of(rig, devices, url)
@@ -60,7 +60,7 @@ class NiBench:
         """What answers, and what is plugged into what."""
         return self._info
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """Make the input task. A rate the device can't give becomes the next one it can, which is said."""
         self._require("open", "configured", "stopped", "lost", "gone", to="configure")
         if not isfinite(request.rate_hz) or request.rate_hz <= 0:
@@ -78,7 +78,7 @@ class NiBench:
                 remedy=f"ask for {given / MOST_COERCED:.6g} Hz or more",
             )
         self._state = "configured"
-        return Delivery(
+        return DeliveredSampling(
             request.rate_hz,
             inputs.rate_hz,
             inputs.rate_hz,
@@ -111,7 +111,7 @@ class NiBench:
         self._position = 0
         self._state = "running"
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """The next `count` samples; between pieces of them the output is looked after."""
         self._require("running", to="read")
         require_count(count, self._url)
@@ -126,7 +126,7 @@ class NiBench:
                 self._shaker.check_output(self._position)
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
-            return Chunk(first, samples, self._at_full_scale(samples) | self._inputs.overloaded())
+            return SampleChunk(first, samples, self._at_full_scale(samples) | self._inputs.overloaded())
 
     def arm(self, trigger: ReferenceTrigger) -> None:
         """Let the device wait for a crossing."""
@@ -148,14 +148,14 @@ class NiBench:
         with self._losses():
             return self._record.is_armed()
 
-    def triggered(self, timeout_s: float) -> Chunk:
+    def triggered(self, timeout_s: float) -> SampleChunk:
         """The record about the crossing."""
         self._require("armed", to="read a record")
         assert self._record is not None
         assert self._inputs is not None
         with self._losses():
             samples = self._record.take(timeout_s)
-            return Chunk(0, samples, self._at_full_scale(samples) | self._inputs.overloaded())
+            return SampleChunk(0, samples, self._at_full_scale(samples) | self._inputs.overloaded())
 
     def play(self, burst: Burst) -> int:
         """Start a burst; the place of its rise counts the converter's own delay."""
@@ -269,7 +269,7 @@ class NiBench:
             raise
         return self._inputs
 
-    def _inputs_for(self, request: Request, reference: ReferenceTrigger | None) -> Inputs:
+    def _inputs_for(self, request: AcquisitionRequest, reference: ReferenceTrigger | None) -> Inputs:
         return Inputs(self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation)
 
     def _at_full_scale(self, samples: NDArray[np.float32]) -> NDArray[np.bool_]:

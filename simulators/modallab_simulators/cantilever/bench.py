@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
+from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
@@ -86,7 +86,7 @@ class CantileverBench:
         self._require("running", to="skip")
         self._stream.skip(position)
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """Set rate and preamplifiers; any rate from 100 Hz to 10 kHz is delivered as it was asked for."""
         self._require("open", "configured", "stopped", to="configure")
         if not RATES_HZ[0] <= request.rate_hz <= RATES_HZ[1]:
@@ -98,7 +98,7 @@ class CantileverBench:
         self._state = "configured"
         chain = self._site.chain
         units = ("V",) * self._rows
-        return Delivery(self._rate, self._rate, self._rate, chain.dtype, chain.volts_per_count.copy(), units)
+        return DeliveredSampling(self._rate, self._rate, self._rate, chain.dtype, chain.volts_per_count.copy(), units)
 
     def start(self) -> None:
         """Start with the beam at rest and the sample count at 0."""
@@ -123,7 +123,7 @@ class CantileverBench:
         self._began_s, self._held_to_s = time.monotonic(), 0.0
         self._state = "running"
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """The next `count` samples; at once, or at the pace of the clock on the wall."""
         self._require("running", to="read")
         if count < 1:
@@ -134,7 +134,7 @@ class CantileverBench:
             self._act(self._operator)
         first = self._stream.position
         samples = self._stream.take(count)
-        return Chunk(first, samples, self._site.chain.overload(samples))
+        return SampleChunk(first, samples, self._site.chain.overload(samples))
 
     def play(self, burst: Burst, later_s: float = 0.0) -> int:
         """Start a burst a few samples from now, or by some of a sample later than on one."""

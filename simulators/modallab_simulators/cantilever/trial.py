@@ -12,7 +12,7 @@ from math import ceil, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Burst, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst, DeliveredSampling
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
@@ -179,14 +179,14 @@ class Operator:
                 block = self._block(f"sine_{level}_{f:07.3f}", "sine", delivery, samples, self._rig.shaker_point, first)
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
-    def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
+    def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, DeliveredSampling]:
         session = replace(self._session, first_start=self._first_start + number * _REPEATS)
         bench = CantileverBench("sim://cantilever", self._rig, settings, session)
-        delivery = bench.configure(Request(test, RATES_HZ[test]))
+        delivery = bench.configure(AcquisitionRequest(test, RATES_HZ[test]))
         bench.rest_until(self._order * RECORD_S)
         return bench, delivery
 
-    def _record(self, bench: CantileverBench, delivery: Delivery, first: int) -> NDArray[np.generic]:
+    def _record(self, bench: CantileverBench, delivery: DeliveredSampling, first: int) -> NDArray[np.generic]:
         count = round(BLOCK_S * delivery.rate_hz)
         bench.skip(first)
         samples = bench.read(count, 1.0).samples
@@ -196,7 +196,7 @@ class Operator:
         return samples
 
     def _block(
-        self, name: str, test: Test, delivery: Delivery, samples: NDArray[np.generic], point: int, first: int
+        self, name: str, test: Test, delivery: DeliveredSampling, samples: NDArray[np.generic], point: int, first: int
     ) -> Block:
         return Block(
             name,

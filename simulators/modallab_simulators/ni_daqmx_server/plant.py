@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Request
+from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Converter, Rig
 from modallab.core.units import Test
@@ -96,7 +96,7 @@ class CantileverPlant:
         """
         self._bench.stop()
         try:
-            delivery = self._bench.configure(Request(self._test, rate_hz))
+            delivery = self._bench.configure(AcquisitionRequest(self._test, rate_hz))
         except ConfigurationError as error:
             said = f"Property: SampClk.Rate\nRequested Value: {rate_hz:g}\n{error}"
             raise StatusError(status.INVALID_VALUE, said) from error

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from modallab.bench.protocol import Chunk, Waveform
+from modallab.bench.protocol import SampleChunk, Waveform
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class TriggersInHardware(Protocol):
         """Whether the pre-trigger is full: what crosses the level before that is ignored by the device."""
         ...
 
-    def triggered(self, timeout_s: float) -> Chunk:
+    def triggered(self, timeout_s: float) -> SampleChunk:
         """The record, its first sample counted as 0. Raises BenchTimeoutError: no crossing yet, ask again."""
         ...
 

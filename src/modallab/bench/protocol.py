@@ -33,7 +33,7 @@ class BenchInfo:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class AcquisitionRequest:
     """How to acquire: `test` sets the preamplifiers, `rate_hz` the requested rate per channel."""
 
     test: Test
@@ -41,7 +41,7 @@ class Request:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Delivery:
+class DeliveredSampling:
     """What the device will deliver: its rate, type, and unit and scale per channel (rig order)."""
 
     requested_rate_hz: float
@@ -53,7 +53,7 @@ class Delivery:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Chunk:
+class SampleChunk:
     """Contiguous samples.
 
     Attributes:
@@ -124,7 +124,7 @@ class Bench(Protocol):
         """What this bench is."""
         ...
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         """Set rate and ranges. Raises ConfigurationError, DeviceBusyError."""
         ...
 
@@ -132,7 +132,7 @@ class Bench(Protocol):
         """Start streaming; the device's sample count begins at 0."""
         ...
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         """The next `count` samples, without a gap. Raises BenchTimeoutError, SamplesLostError, ConfigurationError."""
         ...
 

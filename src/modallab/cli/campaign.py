@@ -11,7 +11,7 @@ from rich.console import Console
 
 from modallab.cli.identify import print_remarks, result_table, show_joined
 from modallab.cli.terminal_mode.keys import KeyMap, listen_to_keys
-from modallab.cli.terminal_mode.operator import Operator
+from modallab.cli.terminal_mode.operator import TerminalOperator
 from modallab.core.block import Campaign
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan
@@ -56,14 +56,14 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
     operator = arguments.operator or getpass.getuser()
     with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as session:
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
-        at_bench = Operator(console, keys, session, mute=arguments.mute)
+        at_bench = TerminalOperator(console, keys, session, mute=arguments.mute)
         try:
-            with listen_to_keys(keys, at_bench.pressed) as key_pressed:
+            with listen_to_keys(keys, at_bench.handle_key) as key_pressed:
                 return session.run_all(
                     plans,
                     at_bench.notify,
                     lambda: at_bench.left,
-                    lambda setup, moves: at_bench.moved(setup, moves, key_pressed),
+                    lambda setup, moves: at_bench.confirm_sensor_moves(setup, moves, key_pressed),
                 )
         finally:
             at_bench.close()

@@ -52,7 +52,7 @@ def show_rows(arguments: argparse.Namespace, rows: "TableRows") -> None:
     console.print(rows.caption, markup=False, highlight=False)
 
 
-class Display:
+class ProgressDisplay:
     """Progress bars, one a run, and what the operator should know."""
 
     def __init__(self, console: Console) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from modallab.bench.loader import simulated_bench
 from modallab.cli.background_result import BackgroundResult
-from modallab.cli.console import Display, console_of
+from modallab.cli.console import ProgressDisplay, console_of
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
@@ -55,7 +55,10 @@ def _demo_at_terminal(arguments: argparse.Namespace) -> int:
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     # What identifies and draws takes as long to load as the bench to begin.
     BackgroundResult(lambda: import_module("modallab.cli.demo_results"))
-    with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, local_user()) as session:
+    with (
+        ProgressDisplay(console) as display,
+        LocalCampaign(rig, url, folder / "data", rig.name, local_user()) as session,
+    ):
         hammer, *shaker = demo_plans()
         runs = session.run_all([hammer], display.notify)
         struck = session.recorded(runs)

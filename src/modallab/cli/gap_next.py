@@ -5,7 +5,7 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from modallab.cli.console import Display, console_of, write_json
+from modallab.cli.console import ProgressDisplay, console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import require_option
 from modallab.core.block import Campaign
@@ -55,7 +55,7 @@ def _go_on(
     url = arguments.bench or campaign.rig.bench
     if not url:
         raise RigError("names no bench", where=campaign.rig.name, remedy="give --bench ADDRESS, or a field bench")
-    with Display(console) as display:
+    with ProgressDisplay(console) as display:
         later = record_campaign(url, campaign.rig, best.plans, arguments.data, display.notify)
     whole = continue_campaign(campaign, later)
     if arguments.out is not None:

@@ -11,7 +11,7 @@ from rich.table import Table
 from modallab.acquisition.process.trip import FOLDER as TRIPS
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, DeliveredSampling
 from modallab.cli.backup import require_data_folder
 from modallab.commissioning import calibrate
 from modallab.commissioning.calibrate import measure_mass_ratio
@@ -100,7 +100,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
             where=str(arguments.rig),
             remedy=f"choose one of {', '.join(c.name for c in rig.channels)}",
         )
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     found = _measure_calibration(bench, rig, delivery, channel, arguments)
     was = channel.sensitivity("impact")
     new = calibrate.with_calibration(rig, channel, arguments.method, found, date.today(), arguments.remark)  # noqa: DTZ011
@@ -117,7 +117,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
 
 def _check_mass_ratio(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     _wait_for(arguments, "strike or shake the free mass")
     volts = _read_volts(bench, rig, delivery, arguments.seconds)
     sensor = _accelerometer(rig, arguments)
@@ -158,7 +158,7 @@ def _accelerometer(rig: Rig, arguments: argparse.Namespace) -> Channel:
 
 
 def _measure_calibration(
-    bench: Bench, rig: Rig, delivery: Delivery, channel: Channel, arguments: argparse.Namespace
+    bench: Bench, rig: Rig, delivery: DeliveredSampling, channel: Channel, arguments: argparse.Namespace
 ) -> tuple[float, float]:
     def record(what: str) -> NDArray[np.float64]:
         _wait_for(arguments, what)
@@ -181,7 +181,7 @@ def _measure_calibration(
     return calibrate.sensitivity_by_rigid_mass(sign_of(rig, channel) * volts[row], acceleration, value)
 
 
-def _read_volts(bench: Bench, rig: Rig, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
+def _read_volts(bench: Bench, rig: Rig, delivery: DeliveredSampling, seconds: float) -> NDArray[np.float64]:
     bench.start()
     try:
         settle(bench, rig, delivery)

@@ -56,11 +56,11 @@ class Client(QueueCalls, UserCalls):
         """Bring the output of a rig to 0 V and latch it. Not a safety-rated stop."""
         return self._post(RigView, f"/rigs/{rig}/emergency-stop", StopReason(reason=reason))
 
-    def reset(self, rig: str, lease: HeldLease, reason: str = "") -> RigView:
+    def reset_rig(self, rig: str, lease: HeldLease, reason: str = "") -> RigView:
         """Let a tripped rig be driven again."""
         return self._post(RigView, f"/rigs/{rig}/reset", StopReason(reason=reason), lease)
 
-    def lease(
+    def take_lease(
         self,
         rig: str,
         operator: str | None = None,
@@ -131,7 +131,7 @@ class Client(QueueCalls, UserCalls):
         """A run as it stands."""
         return self._get(RunView, f"/runs/{run}")
 
-    def command(self, run: str, command: Command, lease: HeldLease) -> RunView:
+    def command_run(self, run: str, command: Command, lease: HeldLease) -> RunView:
         """Send a command to an active run."""
         return self._post(RunView, f"/runs/{run}/commands", command, lease)
 
@@ -151,7 +151,7 @@ class Client(QueueCalls, UserCalls):
         shape = tuple(int(part) for part in response.headers["Modallab-Shape"].split(","))
         return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
 
-    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
+    def judge_block(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
         """Accept or reject a block; while its run goes on that needs the lease."""
         path = f"/runs/{run}/blocks/{n}/verdict"
         return self._put(BlockView, path, verdict, lease)
@@ -160,14 +160,14 @@ class Client(QueueCalls, UserCalls):
         """Mobility and coherence of the blocks that count now."""
         return self._get(FrfView, f"/runs/{run}/frf")
 
-    def follow(self, run: str, after: int = 0) -> Iterator[EventView]:
+    def follow_run(self, run: str, after: int = 0) -> Iterator[EventView]:
         """The events of a run as they come, to its end; a connection that breaks is taken up where it was."""
-        for event in self.follow_all(after, run):
+        for event in self.follow_events(after, run):
             yield event
             if event.kind == "state" and event.content["state"] in ENDED:
                 return
 
-    def follow_all(self, after: int = 0, run: str = "") -> Iterator[EventView]:
+    def follow_events(self, after: int = 0, run: str = "") -> Iterator[EventView]:
         """All events as they come, for ever; a connection that breaks is taken up where it was."""
         while True:
             try:
@@ -177,11 +177,11 @@ class Client(QueueCalls, UserCalls):
             except httpx.TransportError:
                 time.sleep(AGAIN_S)
 
-    def order(self, campaign: str, kind: JobKind, **parameters: JsonValue) -> JobView:
+    def order_job(self, campaign: str, kind: JobKind, **parameters: JsonValue) -> JobView:
         """Order the model, the diagnosis or the report of a campaign."""
         return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobRequest(parameters=parameters))
 
-    def blind_trials(self, **parameters: JsonValue) -> JobView:
+    def order_blind_trials(self, **parameters: JsonValue) -> JobView:
         """Order blind trials of the diagnosis on simulated benches."""
         return self._post(JobView, "/blind-trials", JobRequest(parameters=parameters))
 
@@ -215,7 +215,7 @@ class Client(QueueCalls, UserCalls):
         """The newest diagnosis of a campaign."""
         return self._get(DiagnosisView, f"/campaigns/{campaign}/gap")
 
-    def compare(self, one: str, other: str) -> ComparisonView:
+    def compare_runs(self, one: str, other: str) -> ComparisonView:
         """The models of two runs side by side."""
         return self._get(ComparisonView, "/comparison", {"one": one, "other": other})
 

@@ -54,7 +54,7 @@ class QueueCalls(Connection):
         """Let it go on."""
         return self._post(QueueView, f"/rigs/{rig}/queue/resume", None, lease)
 
-    def consent(self, rig: str, lease: RenewedLease, *, drive: bool = False, at_bench: bool = False) -> QueueView:
+    def give_consent(self, rig: str, lease: RenewedLease, *, drive: bool = False, at_bench: bool = False) -> QueueView:
         """Let what waits now begin by itself: with `drive` tests that move the output, with `at_bench` impact tests."""
         new = ConsentRequest(drive=drive, at_bench=at_bench)
         return self._put(QueueView, f"/rigs/{rig}/queue/consent", new, lease)
@@ -67,7 +67,7 @@ class QueueCalls(Connection):
 class UserCalls(Connection):
     """Who one is, and, for admins, who else may ask."""
 
-    def me(self) -> CallerView:
+    def current_user(self) -> CallerView:
         """Who you are to the service."""
         return self._get(CallerView, "/me")
 

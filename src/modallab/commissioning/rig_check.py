@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.procedures.sensors import sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.capabilities import ReadsSensitivities
-from modallab.bench.protocol import Bench, Burst, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst, DeliveredSampling
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
@@ -72,7 +72,7 @@ CONTACT_S = 0.01
 def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
     """Noise, offset and overload of every channel, while nothing moves; and what the sensors say of themselves."""
     findings = check_sensors(bench, rig)
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     try:
         findings += settle(bench, rig, delivery)[0]
@@ -93,7 +93,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
         rig: as believed.
         ask: notifies whoever taps which point comes next.
     """
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
     settle(bench, rig, delivery)
@@ -108,7 +108,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
     """A small burst, whose frequency on the converter's clock is compared with what the generator was set to."""
     if not bench.info.can_drive:
         return [Finding("generator", "clock", "this bench has no output", "look")]
-    delivery = bench.configure(Request("sine", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("sine", RATE_HZ))
     bench.start()
     try:
         read = settle(bench, rig, delivery)[1]
@@ -131,7 +131,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
     return [Finding("generator", "clock", f"{ppm:+.1f} ppm off the converter's clock", verdict)]
 
 
-def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
+def settle(bench: Bench, rig: Rig, delivery: DeliveredSampling) -> tuple[list[Finding], int]:
     """Read on until fed sensors have settled; returns what was found, and how many samples were read."""
     fed, read = supplied_channels(bench, rig), 0
 
@@ -149,7 +149,7 @@ def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], i
     return findings, read
 
 
-def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _read(bench: Bench, delivery: DeliveredSampling, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     # What a filter still holds from before the start is let go by first.
     read_seconds(bench, delivery.rate_hz, 0.2)
     return read_seconds(bench, delivery.rate_hz, seconds)
@@ -201,7 +201,7 @@ def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
 
 
 def _check_by_tap(
-    bench: Bench, delivery: Delivery, conversion: Conversion, channel: Channel, ask: Callable[[int], None]
+    bench: Bench, delivery: DeliveredSampling, conversion: Conversion, channel: Channel, ask: Callable[[int], None]
 ) -> Finding:
     assert channel.point is not None
     ask(channel.point)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.capabilities import SynchronisedBench
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.commissioning.rig_check import Finding, Verdict, read_seconds
 from modallab.core.errors import PlanError
 from modallab.core.rig import Rig
@@ -51,7 +51,7 @@ def check_synchronisation(bench: Bench) -> list[Finding]:
     """What the devices say: how they are synchronised, whether their clocks are locked, how far they have counted."""
     if not isinstance(bench, SynchronisedBench):
         return []
-    bench.configure(Request("impact", SLOW_HZ))
+    bench.configure(AcquisitionRequest("impact", SLOW_HZ))
     if not bench.synchronisation().method:
         return []
     bench.start()
@@ -83,7 +83,7 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
         PlanError: no such channel.
     """
     rows = [_row_of_channel(rig, name) for name in names]
-    delivery = bench.configure(Request("impact", RATE_HZ))
+    delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     try:
         if volts is not None:

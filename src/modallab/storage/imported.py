@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.bench.protocol import BenchInfo, DeliveredSampling
 from modallab.core.block import Block, Campaign, fact_of_other_shakers
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.units import Test
@@ -50,7 +50,7 @@ def _likeness_of_block(block: Block) -> tuple[object, ...]:
 
 def _keep_blocks(store: Store, campaign: Campaign, bench: BenchInfo, blocks: Sequence[Block]) -> str:
     first = blocks[0]
-    delivery = Delivery(
+    delivery = DeliveredSampling(
         requested_rate_hz=first.requested_rate_hz or first.rate_hz,
         actual_rate_hz=first.actual_rate_hz or first.rate_hz,
         rate_hz=first.rate_hz,

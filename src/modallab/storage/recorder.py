@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from modallab.bench.protocol import Delivery
+from modallab.bench.protocol import DeliveredSampling
 from modallab.core.child_process import FileLock
 from modallab.core.errors import DiskFullError, StorageError
 from modallab.core.events import BlockAcknowledged, RunState
@@ -70,7 +70,7 @@ class Recorder:
         """Whether a failed write left a file that HDF5 cannot close: the process should end without its clean-up."""
         return self._writer is not None and self._writer.unusable
 
-    def open(self, delivery: Delivery, block_samples: int) -> None:
+    def open(self, delivery: DeliveredSampling, block_samples: int) -> None:
         """Make the file for what the configured device will deliver.
 
         Raises:
@@ -176,7 +176,7 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _attributes(self, delivery: Delivery) -> dict[str, Any]:
+    def _attributes(self, delivery: DeliveredSampling) -> dict[str, Any]:
         # The file explains itself without the catalogue.
         run = self._record
         return {

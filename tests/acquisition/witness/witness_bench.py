@@ -9,7 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, OutputHandle, Request
+from modallab.bench.protocol import (
+    AcquisitionRequest,
+    Bench,
+    BenchInfo,
+    Burst,
+    DeliveredSampling,
+    OutputHandle,
+    SampleChunk,
+)
 from modallab.core.errors import DeviceGoneError
 from modallab.core.rig import Rig
 
@@ -29,16 +37,16 @@ class WitnessBench:
     def info(self) -> BenchInfo:
         return BenchInfo(self._url, (("witness", "1"),), True, True, {})
 
-    def configure(self, request: Request) -> Delivery:
+    def configure(self, request: AcquisitionRequest) -> DeliveredSampling:
         self._rate = request.rate_hz
         rate, units = request.rate_hz, ("V",) * self._channels
-        return Delivery(rate, rate, rate, np.dtype(np.int16), np.full(self._channels, 1e-3), units)
+        return DeliveredSampling(rate, rate, rate, np.dtype(np.int16), np.full(self._channels, 1e-3), units)
 
     def start(self) -> None:
         self._began, self._position = time.monotonic(), 0
         self._noise = np.random.default_rng(1)
 
-    def read(self, count: int, timeout_s: float) -> Chunk:
+    def read(self, count: int, timeout_s: float) -> SampleChunk:
         if "unplugged" in self._url and self._position > 200:
             raise DeviceGoneError("the witness is unplugged", where=self._url, remedy="plug it in")
         first, self._position = self._position, self._position + count
@@ -47,7 +55,7 @@ class WitnessBench:
         times = (first - self._played + np.arange(count)) / self._rate
         sine = np.sin(2 * np.pi * self._burst.frequency_hz * times)
         samples[self._force] += self._burst.amplitude_v / 1e-3 * self._burst.envelope(times) * sine
-        return Chunk(first, samples.astype(np.int16), np.zeros(self._channels, dtype=bool))
+        return SampleChunk(first, samples.astype(np.int16), np.zeros(self._channels, dtype=bool))
 
     def play(self, burst: Burst) -> int:
         note("play")

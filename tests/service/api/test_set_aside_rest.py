@@ -34,7 +34,7 @@ def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:
         assert campaign not in {found.id for found in client.campaigns()}
         assert campaign in {found.id for found in client.campaigns(archived=True)}
         with pytest.raises(ServiceProblemError, match="restore it first"):
-            client.order(campaign, "identify")
+            client.order_job(campaign, "identify")
         assert client.delete_campaign(campaign).deleted_utc
         assert client.restore_campaign(campaign).runs == (run,)
         with pytest.raises(ServiceProblemError, match="there is no run"):

@@ -234,12 +234,12 @@ def test_every_route_says_which_role_it_needs(lab: Lab) -> None:
 
 def test_a_client_keeps_users_and_recovers_its_lease(lab: Lab) -> None:
     with Client(lab.url, token(lab, "Cleo", "admin")) as cleo:
-        assert cleo.me().role == "admin"
+        assert cleo.current_user().role == "admin"
         assert cleo.add_user("Dora", "operator").name in {user.name for user in cleo.users()}
         made = cleo.make_token("Dora", label="laptop", ttl_days=30)
         with Client(lab.url, made.token) as dora:
             assert dora.login_link().path.startswith("/login")
-            with dora.lease(RIG, ttl_s=600) as lease, dora.lease(RIG, recover=True) as again:
+            with dora.take_lease(RIG, ttl_s=600) as lease, dora.take_lease(RIG, recover=True) as again:
                 assert lease.id == again.id
                 again.lost = RuntimeError("given back by the other")
             cleo.revoke_token("Dora", made.about.id)

@@ -216,7 +216,7 @@ def test_by_the_client_a_queue_is_filled_ordered_skipped_paused_and_resumed(lab:
         view = client.queue(RIG)
         assert ([i.note for i in view.items], view.reason) == (["c", "b"], "the clamp is loose")
         assert view.remaining_s == pytest.approx(2 * 16.024)
-        given = client.consent(RIG, lease, drive=True).consent
+        given = client.give_consent(RIG, lease, drive=True).consent
         assert given is not None
         assert (given.operator, set(given.items)) == ("Ada", {two, three})
         assert client.withdraw_consent(RIG).consent is None

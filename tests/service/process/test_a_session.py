@@ -14,9 +14,9 @@ TRUE_HZ = (4.754972, 30.594413, 87.1533545)
 def test_an_impact_run_ends_with_a_model_of_the_true_modes(service: ServiceProcess) -> None:
     lab = service.client
     campaign = lab.create_campaign("a session", service.rig)
-    with lab.lease(service.rig, "Ada") as lease:
+    with lab.take_lease(service.rig, "Ada") as lease:
         run = lab.start_run(campaign.id, ImpactPlan(points=(10, 3), hits=2), lease)
-        events = list(lab.follow(run.id))
+        events = list(lab.follow_run(run.id))
     assert [e.content["state"] for e in events if e.kind == "state"] == [
         "created", "arming", "armed", "acquiring", "processing", "done",
     ]  # fmt: skip

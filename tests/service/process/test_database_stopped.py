@@ -33,14 +33,14 @@ def test_the_service_names_the_database_meanwhile_and_its_jobs_go_on(tmp_path: P
     ):
         lab = service.client
         campaign = lab.create_campaign("on a server", service.rig)
-        with lab.lease(service.rig, "Ada", ttl_s=600) as lease:
+        with lab.take_lease(service.rig, "Ada", ttl_s=600) as lease:
             run = lab.start_run(campaign.id, ImpactPlan(points=(10, 6, 3), hits=2), lease).id
             wait_until(lambda: lab.run(run).state == "done")
             wait_until(lambda: lab.jobs(campaign.id))
             first = lab.jobs(campaign.id)[0].id
             wait_until(lambda: lab.job(first).state == "done", 240.0)
             # Another band is another work.
-            job = lab.order(campaign.id, "identify", band_hz=[2.0, 400.0]).id
+            job = lab.order_job(campaign.id, "identify", band_hz=[2.0, 400.0]).id
             wait_until(lambda: lab.job(job).state == "running")
             server.stop()
             wait_until(lambda: health(service)["status"] == "degraded", 10.0)
@@ -57,7 +57,7 @@ def test_the_service_names_the_database_meanwhile_and_its_jobs_go_on(tmp_path: P
             wait_until(lambda: lab.job(job).state == "done", 60.0)
             assert lab.job(job).error is None
             wait_until(lambda: [event for event in events(service) if event["kind"] == "tripped"], 15.0)
-            lab.reset(service.rig, lease)
+            lab.reset_rig(service.rig, lease)
 
 
 def health(service: ServiceProcess) -> dict:

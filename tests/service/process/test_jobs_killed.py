@@ -24,10 +24,10 @@ def _wait_for(service: ServiceProcess, job: str, state: str) -> JobView:
 def test_jobs_of_a_killed_process_wait_for_no_lease(service: ServiceProcess) -> None:
     lab = service.client
     campaign = lab.create_campaign("jobs killed", service.rig).id
-    with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+    with lab.take_lease(service.rig, "Ada", ttl_s=300) as lease:
         run = lab.start_run(campaign, ImpactPlan(points=(10, 3), hits=2), lease).id
-        list(lab.follow(run))
-    job = lab.order(campaign, "identify", band_hz=[2.0, 401.0]).id
+        list(lab.follow_run(run))
+    job = lab.order_job(campaign, "identify", band_hz=[2.0, 401.0]).id
     _wait_for(service, job, "running")
     killed = lab.processes()["jobs"]
     psutil.Process(killed).kill()

@@ -42,7 +42,7 @@ def test_a_killed_process_costs_nothing_that_was_acknowledged(tmp_path: Path, vi
         lab = service.client
         follower = Follower(service.url, service.token)
         campaign = lab.create_campaign("killed", service.rig)
-        with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+        with lab.take_lease(service.rig, "Ada", ttl_s=300) as lease:
             run = lab.start_run(campaign.id, LONG, lease).id
             wait_until(lambda: len(follower.acknowledged) > 2)
             time.sleep(random.Random(1).uniform(0, 0.3))
@@ -66,7 +66,7 @@ def test_a_killed_process_costs_nothing_that_was_acknowledged(tmp_path: Path, vi
 def _stopped(service: ServiceProcess, run: str, lease) -> bool:
     if service.client.run(run).state == "acquiring":
         with suppress(ServiceProblemError):
-            service.client.command(run, Stop(), lease)
+            service.client.command_run(run, Stop(), lease)
     return service.client.run(run).state == "done"
 
 
@@ -77,7 +77,7 @@ def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Pa
         lab = service.client
         follower = Follower(service.url, service.token)
         campaign = lab.create_campaign("killed", service.rig)
-        lease = lab.lease(service.rig, "Ada", ttl_s=300)
+        lease = lab.take_lease(service.rig, "Ada", ttl_s=300)
         run = lab.start_run(campaign.id, LONG, lease).id
         wait_until(lambda: len(follower.acknowledged) > 2)
         service.process.kill()
@@ -100,7 +100,7 @@ def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=bench, env=env) as service:
         lab = service.client
         campaign = lab.create_campaign("frozen", service.rig)
-        with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+        with lab.take_lease(service.rig, "Ada", ttl_s=300) as lease:
             run = lab.start_run(campaign.id, DRIVEN, lease).id
             wait_until(lambda: lab.run(run).state == "acquiring")
             api = lab.processes()["api"]
@@ -124,7 +124,7 @@ def test_when_the_rest_process_is_gone_what_is_driven_is_stopped_and_latched(tmp
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=f"{QUICK_BEAM}&pace=1") as service:
         lab = service.client
         campaign = lab.create_campaign("driven", service.rig)
-        with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+        with lab.take_lease(service.rig, "Ada", ttl_s=300) as lease:
             run = lab.start_run(campaign.id, DRIVEN, lease).id
             wait_until(lambda: lab.run(run).state == "acquiring")
             os.kill(lab.processes()["api"], signal.SIGKILL)
@@ -134,5 +134,5 @@ def test_when_the_rest_process_is_gone_what_is_driven_is_stopped_and_latched(tmp
             assert "REST process" in trip.reason
             with pytest.raises(ServiceProblemError, match="tripped"):
                 lab.start_run(campaign.id, DRIVEN, lease)
-            lab.reset(service.rig, lease, "looked at it")
+            lab.reset_rig(service.rig, lease, "looked at it")
             assert lab.rig(service.rig).trip is None

@@ -30,7 +30,7 @@ def test_a_run_that_is_cut_short_by_the_end_of_the_service_has_failed(tmp_path: 
     with ServiceProcess(tmp_path / "data", "--workers", "1", bench=BENCH, start_new_session=True) as service:
         lab = service.client
         campaign = lab.create_campaign("ended", service.rig)
-        with_lease = lab.lease(service.rig, "Ada", ttl_s=300)
+        with_lease = lab.take_lease(service.rig, "Ada", ttl_s=300)
         run = lab.start_run(campaign.id, plan, with_lease).id
         while not lab.run(run).blocks:
             time.sleep(0.05)

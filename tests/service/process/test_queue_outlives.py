@@ -65,15 +65,15 @@ def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path
         assert log_in(service) == "admin"
         client, rig = service.client, service.rig
         campaign = client.create_campaign("queued", rig).id
-        lease = client.lease(rig, "Ada", ttl_s=3600.0)
+        lease = client.take_lease(rig, "Ada", ttl_s=3600.0)
         first, second = (client.queue_run(rig, campaign, plan).id for plan in (LONG, HIT))
-        client.consent(rig, lease, at_bench=True)
+        client.give_consent(rig, lease, at_bench=True)
         until(lambda: items(service)[first].run != "")
         os.kill(client.processes()["api"], signal.SIGKILL)
         until(lambda: items(service)[second].state == "done")
         assert items(service)[first].state == "done"
         third, fourth = (client.queue_run(rig, campaign, plan).id for plan in (LONG, SINE))
-        client.consent(rig, lease, at_bench=True, drive=True)
+        client.give_consent(rig, lease, at_bench=True, drive=True)
         until(lambda: items(service)[third].run != "")
         service.process.kill()
         service.process.wait()
@@ -83,9 +83,9 @@ def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path
         view = client.queue(service.rig)
         assert (view.paused, "interrupted" in view.reason, view.consent) == (True, True, None)
         assert [item.id for item in view.items] == [fourth]
-        with client.lease(service.rig, "Ada") as lease:
+        with client.take_lease(service.rig, "Ada") as lease:
             resumed = client.resume_queue(service.rig, lease)
             assert (resumed.paused, "no holder of the lease has consented" in resumed.waits_for) == (False, True)
-            client.consent(service.rig, lease, drive=True)
+            client.give_consent(service.rig, lease, drive=True)
             until(lambda: items(service)[fourth].state == "done")
         assert len(client.campaign(campaign).runs) == 4

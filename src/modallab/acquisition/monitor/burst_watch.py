@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.stream import Stream
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Channel, Limits, Rig
 from modallab.core.units import SI_UNIT
@@ -40,7 +40,7 @@ class LimitWatch:
     si_per_count: NDArray[np.float64]
     units: tuple[str, ...]
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk.
 
         Raises:
@@ -66,7 +66,7 @@ class LimitWatch:
         return float((largest_magnitudes(samples) / self.limit).max())
 
 
-def watch_of(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
+def limit_watch(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
     """The watch for a rig's limits."""
     per_count = np.abs(conversion.si_per_count)
     limit = np.array([_stated_limit(rig, limits, channel) for channel in rig.channels]) / per_count
@@ -104,7 +104,7 @@ class BurstWatch:
     waves: "WavePlausibility | None" = None
     own: RestNoise | None = field(default=None)
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk.
 
         Raises:
@@ -182,7 +182,7 @@ def expected_to_move(limits: LimitWatch, conversion: Conversion, driven: int) ->
 
 def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream, lowest_hz: float) -> BurstWatch:
     """The watch for a rig's limits; `lowest_hz` is the lowest frequency that will be driven."""
-    watched = watch_of(rig, limits, conversion)
+    watched = limit_watch(rig, limits, conversion)
     plausible = Plausibility(
         conversion.names,
         conversion.si_per_count,

@@ -14,7 +14,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
+from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import PredictedWindow, predict_later_window, tone_basis
 from modallab.bench.protocol import Burst
 from modallab.core.arrays import Real
@@ -40,9 +40,9 @@ class ExchangedChannels:
         self._count = 0
         self._suspect: tuple[int, int] | None = None
         self._looks = 0
-        self.learn(rest)
+        self.add_older_samples(rest)
 
-    def learn(self, values: Real) -> None:
+    def add_older_samples(self, values: Real) -> None:
         """Take in (channels, n) samples that are older than the window looked at."""
         moves = values - self._offset
         self._moments += moves @ moves.T
@@ -70,7 +70,7 @@ class ExchangedChannels:
         self._count += count
         self._suspect, self._looks = None, 0
 
-    def look(self, values: Real) -> tuple[int, int] | None:
+    def find_exchanged(self, values: Real) -> tuple[int, int] | None:
         """The two channels that are exchanged, if a (channels, n) window is the last of several that say so."""
         found = self._exchanged(values)
         self._looks = self._looks + 1 if found is not None and found == self._suspect else int(found is not None)
@@ -130,7 +130,7 @@ class BurstWindows:
         self, burst: Burst, start: int, rate_hz: float, rest: Samples, volts: Real, noise: RestNoise, unseen: int
     ) -> None:
         self.burst, self.noise = burst, noise
-        self.repetition = Repetition(len(volts))
+        self.repetition = RepetitionCounter(len(volts))
         self.tone: NDArray[np.complex128] | None = None
         self.gone = np.zeros(len(volts), dtype=np.int64)
         self._step = max(1, int(rate_hz // max(SAMPLES_PER_PERIOD * burst.frequency_hz, LEAST_RATE_HZ)))
@@ -163,7 +163,7 @@ class BurstWindows:
         middle = self._at(self.hop * HOP_S) - self.count(self.later_s) - self.gap - self.earlier // 2
         return float(np.hypot(*self._drive[middle - self._first, 1:]))
 
-    def steady(self, later_s: float | None = None, earlier_s: float = EARLIER_S) -> bool:
+    def are_steady(self, later_s: float | None = None, earlier_s: float = EARLIER_S) -> bool:
         """Whether both windows of this look lie past the rise and before the fall."""
         end_s = self.hop * HOP_S
         later_s = self.later_s if later_s is None else later_s
@@ -208,7 +208,7 @@ class BurstWindows:
         ends = [self._at((self.hop + n) * HOP_S) for n in range(1, most)]
         return np.array([end for end in ends if end <= self._first + self._kept.shape[1]], dtype=np.int64)
 
-    def holds(self, ends: NDArray[np.int64], longest: int) -> bool:
+    def holds_windows(self, ends: NDArray[np.int64], longest: int) -> bool:
         """Whether windows of so many samples, to each of the ends, lie in the burst and are remembered."""
         return bool(ends[0] - longest >= max(self._first, 0) and ends[-1] * self._dt <= self.burst.duration_s)
 
@@ -216,11 +216,11 @@ class BurstWindows:
         """(looks, channels, count) the samples before each of the ends."""
         return np.array([self._cut(end - count, end) for end in ends.tolist()])
 
-    def drives(self, ends: NDArray[np.int64], count: int) -> Real:
+    def drive_columns(self, ends: NDArray[np.int64], count: int) -> Real:
         """(looks, count, 3) what the drive lets every channel do there."""
         return np.array([self._drive[end - count - self._first : end - self._first] for end in ends.tolist()])
 
-    def predicted(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, PredictedWindow] | None:
+    def predicted_window(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, PredictedWindow] | None:
         """The later window of this look, and what the earlier one says of it; None where it is not all of the burst."""
         end, count = self._at(self.hop * HOP_S), self.count(later_s)
         middle = end - count
@@ -242,10 +242,10 @@ class BurstWindows:
         known = middle - self.gap
         begin = max(known - self.count(HOP_S), self._first, 0)
         if known > begin:
-            self.places.learn(self._cut(begin, known))
-        return self.places.look(self._cut(middle, end)) if middle >= self._first else None
+            self.places.add_older_samples(self._cut(begin, known))
+        return self.places.find_exchanged(self._cut(middle, end)) if middle >= self._first else None
 
-    def latest(self, seconds: float) -> Real:
+    def latest_samples(self, seconds: float) -> Real:
         """(channels, n) the samples up to this look, of so long or of all the burst so far."""
         end = self._at(self.hop * HOP_S)
         return self._cut(max(end - self.count(seconds), self._first), end)

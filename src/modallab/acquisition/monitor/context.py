@@ -4,7 +4,7 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 
-from modallab.acquisition.monitor.run_states import Emit, Excitation, Lifecycle, Requests
+from modallab.acquisition.monitor.run_states import Emit, Excitation, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,
@@ -77,16 +77,16 @@ class RunContext:
     rig: Rig
     recorder: Recorder
     emit: Emit
-    life: Lifecycle
+    life: RunLifecycle
     conversion: Conversion
     stream: Stream
     block: int
     recut: ResamplingRule | None = None
-    requests: Requests = field(default_factory=Requests)
+    requests: OperatorRequests = field(default_factory=OperatorRequests)
     excitation: Excitation = field(default_factory=Excitation)
 
     @property
-    def window(self) -> int:
+    def rest_window(self) -> int:
         """Samples of a window for the look at rest; a block's own number may take the transform three times as long."""
         return next_quick_length(WINDOW_BLOCKS * self.block)
 
@@ -99,19 +99,19 @@ class RunContext:
     @property
     def line_hz(self) -> float:
         """Width of a window's line."""
-        return self.stream.rate_hz / self.window
+        return self.stream.rate_hz / self.rest_window
 
-    def motion(self, first: int, count: int) -> Window:
+    def motion_samples(self, first: int, count: int) -> Window:
         """(motion channels, count) of a remembered stretch, as delivered; a view where they stand side by side."""
-        rows, stretch = self.conversion.motion, self.stream.view(first, count)
+        rows, stretch = self.conversion.motion, self.stream.view_samples(first, count)
         if rows and rows == tuple(range(rows[0], rows[-1] + 1)):
             return stretch[rows[0] : rows[-1] + 1]
         return stretch[list(rows)]
 
     def look_at_last_window(self, floor: Floor, watch: Watch | None = None) -> WindowLevels:
         """At the last window; after a restart it must first be read."""
-        self.stream.advance_to(self.window, watch)
-        return WindowLevels.of(self.motion(self.stream.next - self.window, self.window), floor.rms)
+        self.stream.advance_to(self.rest_window, watch)
+        return WindowLevels.of(self.motion_samples(self.stream.next - self.rest_window, self.rest_window), floor.rms)
 
     def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
         """What the last window says."""
@@ -128,23 +128,23 @@ class RunContext:
             raise after
         self.stream.restart()
 
-    def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
+    def record_block(self, first: int, note: BlockNote) -> BlockAcknowledged:
         """Keep the block from sample `first` and report that it is kept."""
-        return self.write(self.held(first, note))
+        return self.write(self.block_to_write(first, note))
 
     def end_of(self, first: int) -> int:
         """The sample (exclusive) up to which a block from `first` must be read before it can be held."""
         return first + (self.block if self.recut is None else max(self.block, self.recut.native - self.recut.lead))
 
-    def held(self, first: int, note: BlockNote) -> "BufferedBlock":
+    def block_to_write(self, first: int, note: BlockNote) -> "BufferedBlock":
         """The block from sample `first`, as it will be written."""
         return BufferedBlock(self._cut(first), self._noted(first, note))
 
-    def place(self, first: int) -> Future[SamplesInFile]:
+    def place_block(self, first: int) -> Future[SamplesInFile]:
         """Begin to write the samples of the block from sample `first`, while it is still looked at."""
         return self.recorder.place(self._cut(first))
 
-    def keep(self, first: int, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
+    def keep_block(self, first: int, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
         """Keep a placed block, with what is known of it by now, and report that it is kept."""
         kept = self.recorder.keep(placed, self._noted(first, note))
         self.emit(kept)
@@ -152,16 +152,16 @@ class RunContext:
 
     def _cut(self, first: int) -> Samples:
         if self.recut is None:
-            return self.stream.cut(first, self.block)
+            return self.stream.copy_samples(first, self.block)
         # The ends the new samples lean on are kept too.
         self.stream.advance_to(first + self.recut.native - self.recut.lead)
-        return self.stream.cut(first - self.recut.lead, self.recut.native)
+        return self.stream.copy_samples(first - self.recut.lead, self.recut.native)
 
     def _noted(self, first: int, note: BlockNote) -> BlockNote:
         if self.recut is None:
             return note
         # Looked at for clipping before anything is resampled.
-        ends = self.stream.overload(first - self.recut.lead, self.recut.native)
+        ends = self.stream.overloaded_channels(first - self.recut.lead, self.recut.native)
         return replace(note, overload=ends, facts=note.facts | self.recut.facts())
 
     def write(self, block: "BufferedBlock") -> BlockAcknowledged:
@@ -173,20 +173,20 @@ class RunContext:
     @property
     def pause_requested(self) -> bool:
         """Whether the test should go to its next boundary and pause there; before the first block it cannot."""
-        return self.requests.paused and self.life.state in ("acquiring", "paused")
+        return self.requests.pause_requested and self.life.state in ("acquiring", "paused")
 
     def pause_if_requested(self, watch: Watch | None = None) -> None:
         """At a boundary: while a pause is requested, keep the output at 0 V and go on reading and watching."""
         if self.pause_requested and self.life.state == "acquiring":
             self.bench.zero()
-            self.life.enter("paused", "paused by the operator")
+            self.life.enter_state("paused", "paused by the operator")
         if self.life.state != "paused":
             return
-        while self.requests.paused:
-            self.idle(watch)
-        self.life.enter("acquiring", "resumed by the operator")
+        while self.requests.pause_requested:
+            self.watch_while_waiting(watch)
+        self.life.enter_state("acquiring", "resumed by the operator")
 
-    def idle(self, watch: Watch | None = None) -> None:
+    def watch_while_waiting(self, watch: Watch | None = None) -> None:
         """Let a short time pass, with the limits watched, while an operator is waited for."""
         if self.bench.info.real_time:
             # What the device delivers must be taken, or its buffer would run over.
@@ -195,21 +195,21 @@ class RunContext:
             self.stream.poll()
             time.sleep(PAUSE_LOOK_S)
 
-    def drop(self, name: str, reason: str) -> bool:
+    def drop_block(self, name: str, reason: str) -> bool:
         """Let a block no longer count, and report it; whether there was one that did."""
         dropped = self.recorder.drop(name, reason)
         if dropped:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
 
-    def accept(self, name: str, reason: str, operator: str) -> bool:
+    def accept_block(self, name: str, reason: str, operator: str) -> bool:
         """Let a block that was rejected count, and report it; whether there was one."""
         accepted = self.recorder.accept(name, reason, operator)
         if accepted:
             self.emit(BlockAccepted(run=self.recorder.run, name=name, reason=reason))
         return accepted
 
-    def progress(self, done: int, total: int, what: str) -> None:
+    def report_progress(self, done: int, total: int, what: str) -> None:
         """Report how far the run is."""
         self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
 
@@ -221,9 +221,11 @@ def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = 
     while True:
         start = stream.next
         windows: list[Window] = []
-        for end in range(start + context.window, start + FLOOR_WINDOWS * context.window + 1, context.window):
+        for end in range(
+            start + context.rest_window, start + FLOOR_WINDOWS * context.rest_window + 1, context.rest_window
+        ):
             stream.advance_to(end, watch)
-            windows.append(context.motion(end - context.window, context.window).copy())
+            windows.append(context.motion_samples(end - context.rest_window, context.rest_window).copy())
         floor = floor_of(windows, counts=stream.counts)
         if stream.next >= last or not motion_decays(windows, floor):
             return floor

@@ -54,7 +54,7 @@ class ExpectedForce:
         self._name, self._channel, self._scale = name, channel, newton_per_volt
         self.last = None
 
-    def settled(self, frequency_hz: float, force_n: float, volts: float) -> None:
+    def check_settled_force(self, frequency_hz: float, force_n: float, volts: float) -> None:
         """Hold the force of a settled block against the last burst, and remember it.
 
         Raises:
@@ -82,7 +82,7 @@ class ExpectedForce:
         change = foreseen.amplitude[:, force] * self._scale / look.burst.amplitude_v / self.last.force_n_per_v
         return seen & ((misfit >= 0.1 * level) | ((change >= 1 / FORCE_BRACKET) & (change <= FORCE_BRACKET)))
 
-    def require(self, look: BurstWindows, foreseen: PredictedWindow) -> None:
+    def require_force(self, look: BurstWindows, foreseen: PredictedWindow) -> None:
         """The force must be seen once another channel is, or the burst is at full level; and within the bracket."""
         least = SEEN * look.sigma_v
         tone = np.sqrt(2) * foreseen.level
@@ -92,7 +92,7 @@ class ExpectedForce:
         if tone[force] <= least[force]:
             others = np.delete(tone > OTHERS_SEEN * look.sigma_v, force)
             expected = self.last.force_n_per_v / FORCE_BRACKET / per_v * drive if self.last else 0.0
-            if (others.any() and drive > OTHERS_FROM) or look.steady() or expected > least[force]:
+            if (others.any() and drive > OTHERS_FROM) or look.are_steady() or expected > least[force]:
                 raise implausible_channel_error(
                     f"{self._name} shows no force at {look.burst.amplitude_v * drive:.3g} V of drive"
                 )

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from modallab.acquisition.monitor.ring_buffer import RingBuffer, RingBufferLayout, make_ring_buffer
-from modallab.bench.protocol import Chunk, Delivery
+from modallab.bench.protocol import DeliveredSampling, SampleChunk
 from modallab.core.frozen import Frozen
 from modallab.core.rig import Rig
 
@@ -63,7 +63,7 @@ class LiveInfo(Frozen):
         return RingBuffer(Path(self.ring), RingBufferLayout(len(self.channels), self.capacity, self.dtype))
 
 
-LiveTap = Callable[[Chunk], None]
+LiveTap = Callable[[SampleChunk], None]
 
 
 class LiveRingBuffer:
@@ -75,7 +75,7 @@ class LiveRingBuffer:
         self._info: LiveInfo | None = None
         self._next = -1
 
-    def open(self, run: str, rig: Rig, delivery: Delivery) -> LiveTap:
+    def open(self, run: str, rig: Rig, delivery: DeliveredSampling) -> LiveTap:
         """Make it for what a device delivers; returns what takes the chunks as they come."""
         ring = self._ring = _ring_shape(len(rig.channels), delivery)
         if ring is None:
@@ -92,12 +92,12 @@ class LiveRingBuffer:
         )
         return self._take
 
-    def _take(self, chunk: Chunk) -> None:
+    def _take(self, chunk: SampleChunk) -> None:
         ring, info = self._ring, self._info
         assert ring is not None
         assert info is not None
         if chunk.first_sample != self._next:
-            here = SampleCountRestart(position=ring.written, first_sample=chunk.first_sample)
+            here = SampleCountRestart(position=ring.samples_written, first_sample=chunk.first_sample)
             self._info = info.model_copy(update={"breaks": (*info.breaks, here)})
             # A disk that takes no more keeps a look from nobody else's data.
             with suppress(OSError):
@@ -145,12 +145,12 @@ def remove_stale_ring_buffers(data_folder: Path, ended: Callable[[str], bool]) -
             file.unlink(missing_ok=True)
 
 
-def _ring_shape(channels: int, delivery: Delivery) -> RingBuffer | None:
+def _ring_shape(channels: int, delivery: DeliveredSampling) -> RingBuffer | None:
     for seconds in SECONDS:
         with suppress(OSError):
             return make_ring_buffer(RingBufferLayout.of_duration(channels, delivery.rate_hz, delivery.dtype, seconds))
     return None
 
 
-def _ignore_chunk(_chunk: Chunk) -> None:
+def _ignore_chunk(_chunk: SampleChunk) -> None:
     """Nothing is shown."""

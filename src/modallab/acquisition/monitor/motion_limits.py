@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.arrays import Real
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Channel, Limits, Rig
@@ -90,7 +90,7 @@ class MotionWatch:
         """The largest part of a limit that was taken since the burst began."""
         return float((self._highest / self._limit).max())
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk.
 
         Raises:

@@ -30,7 +30,7 @@ from modallab.acquisition.monitor.tone_prediction import (
     rms_of_steady_share,
     tone_is_lost,
 )
-from modallab.bench.protocol import Burst, Chunk
+from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.arrays import Complex128, Real
 from modallab.storage.samples import Samples
 
@@ -56,7 +56,7 @@ class NormalRanges:
     moments: Real
     learned: int
 
-    def passes(self, look: BurstWindows) -> bool:
+    def learn_if_normal(self, look: BurstWindows) -> bool:
         """Whether the look that has just been gone on to is normal; if so, what it teaches is taken in."""
         place = look.hop - self.first
         if not self.normal[place]:
@@ -71,11 +71,11 @@ def normal_ranges_of_windows(look: BurstWindows, force: ExpectedForce) -> Normal
     """Of all looks for which the samples have come; None where there are few, or not all windows lie in the burst."""
     ends = look.ends_of_complete_windows()
     later, weak, learned = look.count(look.later_s), look.count(WEAK_LATER_S), look.count(HOP_S)
-    if len(ends) < FEW or not look.holds(ends, max(weak, later + look.gap + max(look.earlier, learned))):
+    if len(ends) < FEW or not look.holds_windows(ends, max(weak, later + look.gap + max(look.earlier, learned))):
         return None
     latest = look.windows(ends, later)
     before = ends - later - look.gap
-    earlier, following = look.drives(before, look.earlier), look.drives(ends, later)
+    earlier, following = look.drive_columns(before, look.earlier), look.drive_columns(ends, later)
     foreseen = predict_later_window(look.windows(before, look.earlier), earlier, following)
     kept, moments = look.places.consistent_with_shapes(look.windows(before, learned), latest)
     size = np.sqrt(2) * foreseen.level / look.sigma_v
@@ -151,17 +151,17 @@ class Plausibility:
         """The burst has ended."""
         self._burst = None
 
-    def settled(self, frequency_hz: float, force_n: float, volts: float) -> None:
+    def check_settled_force(self, frequency_hz: float, force_n: float, volts: float) -> None:
         """Hold the force of a settled block against the last burst, and remember it.
 
         Raises:
             SafetyError: it is no force, or not what this drive gave before at this frequency.
         """
-        self._force.settled(frequency_hz, force_n, volts)
+        self._force.check_settled_force(frequency_hz, force_n, volts)
         if self._burst is not None and self._burst.tone is not None:
-            self._shapes.keep(self._burst.tone[self._responses])
+            self._shapes.add_burst(self._burst.tone[self._responses])
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk.
 
         Raises:
@@ -170,7 +170,7 @@ class Plausibility:
         look = self._burst
         if look is None:
             return
-        run = look.repetition.longest(chunk.samples)
+        run = look.repetition.longest_runs(chunk.samples)
         frozen = np.flatnonzero(self._watched & (run >= look.noise.longest_run))
         if frozen.size:
             first = int(frozen[0])
@@ -181,7 +181,7 @@ class Plausibility:
         look.add(chunk.samples)
         normal = normal_ranges_of_windows(look, self._force)
         while look.next_hop():
-            if normal is None or not normal.passes(look):
+            if normal is None or not normal.learn_if_normal(look):
                 self._require_all(look)
 
     def _require_all(self, look: BurstWindows) -> None:
@@ -189,7 +189,7 @@ class Plausibility:
         if places is not None and self._watched[list(places)].any():
             one, other = (self._names[channel] for channel in places)
             raise implausible_channel_error(f"{one} and {other} are exchanged")
-        pair = look.predicted(look.later_s)
+        pair = look.predicted_window(look.later_s)
         if pair is None:
             return
         for channel, reason in channel_faults(*pair, look.noise_v, look.white_v).items():
@@ -199,8 +199,8 @@ class Plausibility:
         # The responses may beat; the force follows the drive directly.
         gone[self._force_row] |= departs_from_drive(*pair, look.noise_v)[self._force_row]
         # What stands above its noise is not lost, and needs no fit.
-        if is_noise_alone(look.latest(WEAK_LATER_S), look.white_v).any():
-            weak = look.predicted(WEAK_LATER_S, WEAK_EARLIER_S)
+        if is_noise_alone(look.latest_samples(WEAK_LATER_S), look.white_v).any():
+            weak = look.predicted_window(WEAK_LATER_S, WEAK_EARLIER_S)
             if weak is not None:
                 gone |= self._unless_beats(tone_is_lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
         gone |= self._missing(look, pair[1])
@@ -209,11 +209,11 @@ class Plausibility:
             raise implausible_channel_error(
                 f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged"
             )
-        self._force.require(look, pair[1])
+        self._force.require_force(look, pair[1])
 
     def _at_a_node(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) whether a response may vanish near a node, since the drive rises or falls."""
-        if look.steady(WEAK_LATER_S, WEAK_EARLIER_S):
+        if look.are_steady(WEAK_LATER_S, WEAK_EARLIER_S):
             return np.zeros(foreseen.level.size, dtype=np.bool_)
         node = foreseen.level < NODE * foreseen.level[self._responses].max()
         node[self._force_row] = False
@@ -252,7 +252,7 @@ class KnownShapes:
         self._shapes: list[Complex128] = []
         self._sizes: list[float] = []
 
-    def keep(self, tone: Complex128) -> None:
+    def add_burst(self, tone: Complex128) -> None:
         """Remember the (responses,) complex amplitudes of a burst, over their noise."""
         size = float(np.linalg.norm(tone))
         if size > 0:

@@ -85,14 +85,14 @@ def cut_off(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
     return noise.visible & moves & (flat > FLAT_PART)
 
 
-class Repetition:
+class RepetitionCounter:
     """Counts, over chunks, how often each channel has repeated its last value."""
 
     def __init__(self, channels: int) -> None:
         self._last: NDArray[np.generic] | None = None
         self._run = np.zeros(channels, dtype=np.int64)
 
-    def longest(self, samples: Samples) -> NDArray[np.int64]:
+    def longest_runs(self, samples: Samples) -> NDArray[np.int64]:
         """(channels,) the longest run of equal samples that ends in the next (channels, n) samples."""
         last = self._last if self._last is not None else samples[:, 0]
         self._last = samples[:, -1].copy()

@@ -77,18 +77,18 @@ class RingBuffer:
         self._over: NDArray[np.uint8] = over.reshape(shape.channels, shape.capacity // CELL)
 
     @property
-    def written(self) -> int:
+    def samples_written(self) -> int:
         """Samples per channel since the ring was made."""
         return int(self._counts[_WRITTEN])
 
     @property
-    def oldest(self) -> int:
+    def oldest_sample(self) -> int:
         """The first sample that is still there."""
         return max(0, int(self._counts[_OVERWRITTEN]) - self.shape.capacity)
 
     def write(self, samples: NDArray[Any], overload: NDArray[np.bool_]) -> None:
         """Append (channels, n) samples, n at most what fits, and (channels,) whether each was beyond its range."""
-        capacity, first = self.shape.capacity, self.written
+        capacity, first = self.shape.capacity, self.samples_written
         after, at = first + samples.shape[1], first % capacity
         # Before the samples: whoever copies what is about to go sees it afterwards.
         self._counts[_OVERWRITTEN] = after
@@ -108,11 +108,11 @@ class RingBuffer:
             CELL samples of a cell; the first cell holds the first sample.
         """
         while True:
-            start = max(first, self.oldest)
-            stop = max(start, min(start + count, self.written))
+            start = max(first, self.oldest_sample)
+            stop = max(start, min(start + count, self.samples_written))
             cells = np.arange(start // CELL, -(-stop // CELL)) % self._over.shape[1]
             samples, over = self._copy(start, stop, rows), self._over[rows][:, cells] != 0
-            if self.oldest <= start:
+            if self.oldest_sample <= start:
                 return start, samples, over
 
     def _copy(self, start: int, stop: int, rows: "slice | list[int]") -> NDArray[Any]:

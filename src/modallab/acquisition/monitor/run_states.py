@@ -49,7 +49,7 @@ def require_legal(current: RunState, target: RunState) -> None:
         )
 
 
-class Lifecycle:
+class RunLifecycle:
     """Where one run stands: each step is checked, committed, then reported."""
 
     def __init__(self, recorder: Recorder, emit: Emit) -> None:
@@ -58,7 +58,7 @@ class Lifecycle:
         self._emit = emit
         emit(StateChanged(run=recorder.run, state="created"))
 
-    def enter(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
+    def enter_state(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
         """Go to `state`.
 
         Raises:
@@ -101,7 +101,7 @@ class Excitation:
     on: bool = False
 
 
-class Requests:
+class OperatorRequests:
     """Filled by the thread that hears the owner, looked at by the test between blocks or bursts."""
 
     def __init__(self) -> None:
@@ -109,7 +109,7 @@ class Requests:
         self._requests: SimpleQueue[Request] = SimpleQueue()
 
     @property
-    def paused(self) -> bool:
+    def pause_requested(self) -> bool:
         """Whether the test should pause."""
         return self._paused.is_set()
 
@@ -121,11 +121,11 @@ class Requests:
         """Go on."""
         self._paused.clear()
 
-    def ask(self, request: Request) -> None:
+    def add(self, request: Request) -> None:
         """Queue a request."""
         self._requests.put(request)
 
-    def take(self) -> list[Request]:
+    def take_all(self) -> list[Request]:
         """The requests since the last look, in order."""
         found: list[Request] = []
         while True:
@@ -134,7 +134,7 @@ class Requests:
             except Empty:
                 return found
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """A new run begins: what was requested of the last one is no request of this one."""
         self.resume()
-        self.take()
+        self.take_all()

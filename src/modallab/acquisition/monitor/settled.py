@@ -74,14 +74,14 @@ class SettledCheck:
     excess: float
 
     @property
-    def settled(self) -> bool:
+    def is_settled(self) -> bool:
         """Whether the beam rests, as far as this window shows."""
         return self.level <= LEVEL_FACTOR and self.excess < 1
 
     def facts(self, line_hz: float) -> dict[str, float | str]:
         """For the catalogue; `line_hz` is the width of a line."""
         return {
-            "settled_before": "yes" if self.settled else "no",
+            "settled_before": "yes" if self.is_settled else "no",
             "motion_level": self.level,
             "motion_excess": self.excess,
             "motion_line_hz": self.line * line_hz,

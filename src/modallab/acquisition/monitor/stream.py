@@ -6,12 +6,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, Chunk, Delivery
+from modallab.bench.protocol import Bench, DeliveredSampling, SampleChunk
 from modallab.core.errors import SamplesLostError
 from modallab.signals.conversion import Conversion
 from modallab.storage.samples import Samples
 
-Watch = Callable[[Chunk], None]
+Watch = Callable[[SampleChunk], None]
 
 READ_SLACK_S = 5.0
 
@@ -25,7 +25,7 @@ class Stream:
     def __init__(
         self,
         bench: Bench,
-        delivery: Delivery,
+        delivery: DeliveredSampling,
         conversion: Conversion,
         *,
         keep: int,
@@ -58,7 +58,7 @@ class Stream:
         self.next = self._filled = 0
         self._overloads.clear()
 
-    def adopt(self, record: Chunk) -> None:
+    def replace_by_record(self, record: SampleChunk) -> None:
         """Remember a record the device has triggered by itself, in place of what was before; its count begins at 0."""
         self.next = self._filled = 0
         self._overloads.clear()
@@ -72,7 +72,7 @@ class Stream:
         """Look whether the run shall go on, as is done before every read."""
         self._poll()
 
-    def pull(self, count: int) -> Chunk:
+    def read_samples(self, count: int) -> SampleChunk:
         """The next `count` samples, at most `chunk`.
 
         Raises:
@@ -99,15 +99,15 @@ class Stream:
         Nothing to do if it is already read.
         """
         while self.next < sample:
-            chunk = self.pull(min(sample - self.next, at_once or self.chunk))
+            chunk = self.read_samples(min(sample - self.next, at_once or self.chunk))
             if watch is not None:
                 watch(chunk)
 
-    def cut(self, first: int, count: int) -> Samples:
+    def copy_samples(self, first: int, count: int) -> Samples:
         """A copy of (channels, count) samples from `first`, which must still be remembered."""
-        return self.view(first, count).copy()
+        return self.view_samples(first, count).copy()
 
-    def view(self, first: int, count: int) -> Samples:
+    def view_samples(self, first: int, count: int) -> Samples:
         """As `cut`, to be looked at before the next read and not changed; a copy of many channels takes its time."""
         start = self._filled - (self.next - first)
         if start < 0 or first + count > self.next:
@@ -116,15 +116,15 @@ class Stream:
         found.flags.writeable = False
         return found
 
-    def overload(self, first: int, count: int) -> tuple[str, ...]:
+    def overloaded_channels(self, first: int, count: int) -> tuple[str, ...]:
         """Names of the channels beyond their range in a stretch: by the samples, or by the device's flag."""
-        flags = self._conversion.overload(self.view(first, count))
+        flags = self._conversion.overload(self.view_samples(first, count))
         for begin, end, flag in self._overloads:
             if begin < first + count and end > first:
                 flags = flags | flag
         return tuple(name for name, over in zip(self._conversion.names, flags, strict=True) if over)
 
-    def _remember(self, chunk: Chunk) -> None:
+    def _remember(self, chunk: SampleChunk) -> None:
         count = chunk.samples.shape[1]
         if self._filled + count > self._buffer.shape[1]:
             kept = self._buffer[:, self._filled - self._keep : self._filled].copy()

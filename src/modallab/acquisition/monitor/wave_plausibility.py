@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.wave_samples import WaveSamples
-from modallab.bench.protocol import Chunk, Waveform
+from modallab.bench.protocol import SampleChunk, Waveform
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples
 
@@ -58,7 +58,7 @@ class WavePlausibility:
         """The wave has ended."""
         self._look = None
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk.
 
         Raises:
@@ -67,7 +67,7 @@ class WavePlausibility:
         look = self._look
         if look is None:
             return
-        self._require(look.frozen(chunk.samples), "repeats one value for longer than its noise can: frozen")
+        self._require(look.frozen_channels(chunk.samples), "repeats one value for longer than its noise can: frozen")
         look.add(chunk)
         while look.next_hop():
             self._require(look.cut_off(), "is clipped: its highest samples are equal")

@@ -7,9 +7,9 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
+from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise
 from modallab.acquisition.monitor.tone_prediction import rms_about_line
-from modallab.bench.protocol import Chunk, Waveform
+from modallab.bench.protocol import SampleChunk, Waveform
 from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
 
@@ -83,7 +83,7 @@ class WaveSamples:
     ) -> None:
         self._waves, self._start, self._noise, self._rate_hz = tuple(waves), start, noise, rate_hz
         self._channels = len(noise.rms)
-        self._repetition = Repetition(self._channels)
+        self._repetition = RepetitionCounter(self._channels)
         self._average = max(1, int(rate_hz // max(LEAST_RATE_HZ, waves[0].rate_hz / WAVE_OVERSAMPLED)))
         self._hop = self._average * max(1, round(HOP_S * rate_hz / self._average))
         self._least_learned = LEAST_LEARNED_S * rate_hz / self._average
@@ -99,11 +99,11 @@ class WaveSamples:
         self._usual: deque[Real] = deque(maxlen=UNSURE_HOPS + ceil(max(USUAL_S, period_s) / HOP_S))
         self._gone = np.zeros(self._channels, dtype=np.int64)
 
-    def frozen(self, samples: Samples) -> NDArray[np.bool_]:
+    def frozen_channels(self, samples: Samples) -> NDArray[np.bool_]:
         """(channels,) whether one value is repeated."""
-        return self._repetition.longest(samples) >= self._noise.longest_run
+        return self._repetition.longest_runs(samples) >= self._noise.longest_run
 
-    def add(self, chunk: Chunk) -> None:
+    def add(self, chunk: SampleChunk) -> None:
         """Take in what came; what lies before the wave's start is passed over."""
         late = max(0, self._start - chunk.first_sample)
         self._raw = np.concatenate([self._raw, chunk.samples[:, late:]], axis=1)

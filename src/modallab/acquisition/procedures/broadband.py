@@ -86,8 +86,8 @@ class BroadbandTest:
         """
         self.kept = {level: [] for level in self.plan.levels_v}
         self.waves = dict.fromkeys(self.plan.levels_v, 0)
-        self.context.life.enter("armed")
-        self.context.life.enter("acquiring")
+        self.context.life.enter_state("armed")
+        self.context.life.enter_state("acquiring")
         for level, names in self.kept.items():
             while len(names) < self.plan.blocks:
                 try:
@@ -102,9 +102,9 @@ class BroadbandTest:
         """One wave, and the blocks in it."""
         context, stream = self.context, self.context.stream
         context.pause_if_requested(self.watch)
-        stream.advance_to(stream.next + max(stream.samples_of(self.plan.wait_s), context.window), self.watch)
+        stream.advance_to(stream.next + max(stream.samples_of(self.plan.wait_s), context.rest_window), self.watch)
         context.pause_if_requested(self.watch)
-        rest = stream.cut(stream.next - context.window, context.window)
+        rest = stream.copy_samples(stream.next - context.rest_window, context.rest_window)
         noise = self.watch.require_alive(rest, counts=stream.counts)
         rest_n = self.forces.rms(rest)
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
@@ -145,9 +145,9 @@ class BroadbandTest:
             self._keep([_with_doubt(block, doubt) if doubt else block for block in held])
         if isinstance(error, SafetyError):
             first = stream.next - context.block
-            overload = stream.overload(first, context.block)
+            overload = stream.overloaded_channels(first, context.block)
             name = f"{note.name}_tripped"
-            context.record(
+            context.record_block(
                 first,
                 replace(note, name=name, first_sample=first, accepted=False, reason=error.what, overload=overload),
             )
@@ -163,7 +163,7 @@ class BroadbandTest:
                 self.rejected += 1
             done = sum(map(len, self.kept.values()))
             what = f"level {note.level}, {self.plan.signal}"
-            self.context.progress(done, self.plan.blocks * len(self.kept), what)
+            self.context.report_progress(done, self.plan.blocks * len(self.kept), what)
 
     def _note(self, wave: _Wave, place: int) -> BlockNote:
         layout = wave.layout
@@ -188,14 +188,14 @@ class BroadbandTest:
         """Read one block, and hold it until its wave is over."""
         context, stream, note = self.context, self.context.stream, self._note(wave, place)
         stream.advance_to(context.end_of(note.first_sample), self.watch, context.driving_chunk)
-        block = stream.cut(note.first_sample, context.block)
-        self.forces.require(block, rest_n, self.plan.levels_v[wave.level])
+        block = stream.copy_samples(note.first_sample, context.block)
+        self.forces.require_forces(block, rest_n, self.plan.levels_v[wave.level])
         first_s = (note.first_sample - wave.start) / stream.rate_hz
         self.forces.require_own_drive(block, wave.waves, first_s, stream.rate_hz)
-        overload = stream.overload(note.first_sample, context.block)
+        overload = stream.overloaded_channels(note.first_sample, context.block)
         reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
         held = replace(note, overload=overload, accepted=not overload, reason=reason)
-        return context.held(note.first_sample, held)
+        return context.block_to_write(note.first_sample, held)
 
     def _require_patience(self, held: list[BufferedBlock]) -> None:
         reasons = [block.note.reason for block in held if not block.note.accepted]
@@ -206,8 +206,8 @@ class BroadbandTest:
             )
 
     def _obey(self) -> None:
-        for request in self.context.requests.take():
-            if isinstance(request, DropBlock) and self.context.drop(request.block, request.reason):
+        for request in self.context.requests.take_all():
+            if isinstance(request, DropBlock) and self.context.drop_block(request.block, request.reason):
                 for names in self.kept.values():
                     if request.block in names:
                         names.remove(request.block)

@@ -149,7 +149,7 @@ class DrivenForces:
         """(driven,) in N, of (channels, n) as delivered."""
         return np.std(self._of(samples), axis=1)
 
-    def require(self, samples: Samples, rest_n: Real, drive_v: float) -> None:
+    def require_forces(self, samples: Samples, rest_n: Real, drive_v: float) -> None:
         """Reject a block in which a force is not above what its channel shows at rest.
 
         Args:

@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch
 from modallab.acquisition.monitor.context import RunContext
-from modallab.acquisition.procedures.settling import Settled, Settling, amplitude_at, fit_settling
+from modallab.acquisition.procedures.settling import Settled, SettlingFit, amplitude_at, fit_settling
 from modallab.bench.protocol import Burst
 from modallab.core.errors import SafetyError
 from modallab.core.plan import SinePlan
@@ -40,7 +40,7 @@ class MeasuredBurst:
 
 
 @dataclass(slots=True)
-class Drive:
+class SineDrive:
     """The drive of a sine test.
 
     Attributes:
@@ -57,7 +57,7 @@ class Drive:
         """To begin a frequency with: never above the plan's own drive, since the beam may answer more than before."""
         return min(self.plan.levels_v[level], self.last_v.get(level, inf), self._allowed_v(frequency_hz))
 
-    def error(self, level: str, measured: MeasuredBurst) -> str:
+    def force_error(self, level: str, measured: MeasuredBurst) -> str:
         """What is wrong with the force of a burst, in words and numbers; empty if nothing."""
         control = self.plan.force
         if control is None:
@@ -74,7 +74,7 @@ class Drive:
             SafetyError: there is no force to correct by.
         """
         control = self.plan.force
-        if control is None or not self.error(level, measured):
+        if control is None or not self.force_error(level, measured):
             return None
         if not (isfinite(measured.force_n) and measured.force_n > 0):
             raise SafetyError(
@@ -87,7 +87,7 @@ class Drive:
         volts = min(measured.volts * factor, self._allowed_v(frequency_hz))
         return volts if abs(volts / measured.volts - 1) > NO_CHANGE else None
 
-    def good(self, level: str, measured: MeasuredBurst) -> None:
+    def remember_good_voltage(self, level: str, measured: MeasuredBurst) -> None:
         """Remember what was good here for the next frequency."""
         self.last_v[level] = measured.volts
 
@@ -103,7 +103,7 @@ FIT_BLOCKS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class BurstSetting:
     """What a burst is set to.
 
     Attributes:
@@ -153,10 +153,10 @@ def tail_s(plan: SinePlan) -> float:
 
 
 def check_burst(
-    context: RunContext, plan: SinePlan, watch: BurstWatch, note: BlockNote, setting: Setting
+    context: RunContext, plan: SinePlan, watch: BurstWatch, note: BlockNote, setting: BurstSetting
 ) -> BurstCheck:
     """Look at the block that has just been read."""
-    block = context.stream.cut(note.first_sample, context.block)
+    block = context.stream.copy_samples(note.first_sample, context.block)
     force_n = context.conversion.force_n(block)
     assert note.frequency_hz is not None
     measured = MeasuredBurst(
@@ -178,12 +178,12 @@ def check_burst(
     )
 
 
-def _settling(context: RunContext, plan: SinePlan, note: BlockNote, setting: Setting) -> Settling | None:
+def _settling(context: RunContext, plan: SinePlan, note: BlockNote, setting: BurstSetting) -> SettlingFit | None:
     rate_hz = context.stream.rate_hz
     # Only what lies between the two ramps is a steady sine.
     steady = int((setting.settle_s - plan.ramp_s) * rate_hz)
     before = max(0, min(steady, (FIT_BLOCKS - 1) * context.block))
-    samples = context.stream.cut(note.first_sample - before, before + context.block)
+    samples = context.stream.copy_samples(note.first_sample - before, before + context.block)
     motion = list(context.conversion.motion)
     values = samples[motion] * context.conversion.si_per_count[motion, None]
     assert note.frequency_hz is not None
@@ -192,10 +192,10 @@ def _settling(context: RunContext, plan: SinePlan, note: BlockNote, setting: Set
     )
 
 
-def _unsettled_reason(settling: Settling, plan: SinePlan) -> str:
+def _unsettled_reason(settling: SettlingFit, plan: SinePlan) -> str:
     worst = int(np.argmax(settling.ratio))
     return (
-        f"not settled: the free decay at {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total:.3g} % of the "
+        f"not settled: the free decay at {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total_decay:.3g} % of the "
         "response,"
         f" at most {100 * plan.settled_ratio:g} %"
     )

@@ -17,7 +17,7 @@ from modallab.acquisition.monitor.settled import (
     mean_sensor_motion,
     ringing_lines,
 )
-from modallab.acquisition.procedures.target import Target
+from modallab.acquisition.procedures.target import HitTarget
 from modallab.core.arrays import Real
 from modallab.core.plan import HitAcceptance, ImpactPlan
 
@@ -34,48 +34,48 @@ class HitQueue:
     """
 
     total: int
-    todo: deque[Target]
-    kept: dict[str, Target] = field(default_factory=dict[str, Target])
-    rejected: dict[str, Target] = field(default_factory=dict[str, Target])
+    todo: deque[HitTarget]
+    kept: dict[str, HitTarget] = field(default_factory=dict[str, HitTarget])
+    rejected: dict[str, HitTarget] = field(default_factory=dict[str, HitTarget])
 
     @classmethod
     def of(cls, plan: ImpactPlan) -> Self:
         """Everything is still to do."""
-        todo = deque(Target(point, hit) for point in plan.points for hit in range(1, plan.hits + 1))
+        todo = deque(HitTarget(point, hit) for point in plan.points for hit in range(1, plan.hits + 1))
         return cls(len(todo), todo)
 
     @property
-    def present(self) -> Target:
+    def current_hit(self) -> HitTarget:
         """The hit that is requested now."""
         return self.todo[0]
 
     def next_name(self) -> str:
         """Name of the present hit's record, should it be rejected."""
-        rejected = f"{self.present.name}_rejected_"
+        rejected = f"{self.current_hit.name}_rejected_"
         return f"{rejected}{1 + sum(n.startswith(rejected) for n in self.rejected)}"
 
-    def keep(self) -> None:
+    def keep_hit(self) -> None:
         """The present hit counts."""
         target = self.todo.popleft()
         self.kept[target.name] = target
 
-    def reject(self, name: str) -> None:
+    def reject_hit(self, name: str) -> None:
         """The present hit was recorded under this name and does not count."""
-        self.rejected[name] = self.present
+        self.rejected[name] = self.current_hit
 
-    def drop(self, context: RunContext, request: DropBlock) -> bool:
+    def drop_hit(self, context: RunContext, request: DropBlock) -> bool:
         """A hit counts no longer and is asked for again, at once; whether it did count."""
-        if not context.drop(request.block, request.reason):
+        if not context.drop_block(request.block, request.reason):
             return False
         target = self.kept.pop(request.block, None)
         if target is not None:
-            again = replace(target, again=target.again + 1)
+            again = replace(target, repetition=target.repetition + 1)
             self.todo.appendleft(again)
             # Until it is struck again, what was dropped can be taken back.
             self.rejected[request.block] = again
         return True
 
-    def accept(self, context: RunContext, request: AcceptBlock) -> Target | None:
+    def accept_hit(self, context: RunContext, request: AcceptBlock) -> HitTarget | None:
         """A hit that was rejected or dropped counts and is not asked for again; the hit it was, None if there is none.
 
         A hit that has been kept since under the same target stays the one that counts.
@@ -83,7 +83,7 @@ class HitQueue:
         target = self.rejected.get(request.block)
         if target is None or target not in self.todo:
             return None
-        if not context.accept(request.block, request.reason, request.operator):
+        if not context.accept_block(request.block, request.reason, request.operator):
             return None
         self.todo.remove(target)
         self.kept[request.block] = target
@@ -137,7 +137,7 @@ def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
     )
 
 
-def rejections(hit: Hit, limits: HitAcceptance) -> list[str]:
+def rejection_reasons(hit: Hit, limits: HitAcceptance) -> list[str]:
     """Why this hit does not count; empty if it does."""
     found: list[str] = []
     if hit.peak_n < limits.min_force_n:
@@ -179,7 +179,7 @@ _FINE = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Ringing:
+class RingingBeforeHit:
     """The motion before a hit.
 
     Attributes:
@@ -190,7 +190,7 @@ class Ringing:
     residual_ratio: float
     residual_hz: float
 
-    def rejections(self, allowed: float) -> list[str]:
+    def rejection_reasons(self, allowed: float) -> list[str]:
         """Why the hit does not count, if more than the part `allowed` of it rang before."""
         if self.residual_ratio <= allowed:
             return []
@@ -215,16 +215,16 @@ class MotionBeforeHit:
     @classmethod
     def of(cls, context: RunContext, first: int, floor: Floor) -> Self:
         """In the window that ends at sample `first`."""
-        look = WindowLevels.of(context.motion(first - context.window, context.window), floor.rms)
+        look = WindowLevels.of(context.motion_samples(first - context.rest_window, context.rest_window), floor.rms)
         return cls(*ringing_lines(look, floor))
 
-    def relative_to_block(self, context: RunContext, first: int, floor: Floor) -> Ringing:
+    def relative_to_block(self, context: RunContext, first: int, floor: Floor) -> RingingBeforeHit:
         """As part of what moves in the block from sample `first`."""
         if self.lines.size == 0:
-            return Ringing(0.0, 0.0)
+            return RingingBeforeHit(0.0, 0.0)
         beside = np.concatenate([self.lines - 1, self.lines, self.lines + 1])
         own = mean_sensor_motion(
-            amplitude_of_motion(context.motion(first, context.block), context.window, beside, floor)
+            amplitude_of_motion(context.motion_samples(first, context.block), context.rest_window, beside, floor)
         )
         ratio, line = largest_ratio(self.moves, self.lines, own.reshape(3, -1))
-        return Ringing(ratio, line * context.line_hz)
+        return RingingBeforeHit(ratio, line * context.line_hz)

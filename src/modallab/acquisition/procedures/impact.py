@@ -5,11 +5,11 @@ from dataclasses import asdict, dataclass, field
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Hit, HitQueue, MotionBeforeHit, hit_of, rejections
+from modallab.acquisition.procedures.hit_acceptance import Hit, HitQueue, MotionBeforeHit, hit_of, rejection_reasons
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
 from modallab.acquisition.procedures.struck_point.check import HitLocation, StruckPointCheck
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, response_of_hit
-from modallab.acquisition.procedures.target import Target
+from modallab.acquisition.procedures.target import HitTarget
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
 from modallab.core.events import BlockAcknowledged, DecisionRequested, HitRejected, HitRequested, WaitingForRest
@@ -53,7 +53,7 @@ class ImpactTest:
         """
         point = 0
         while self.queue.todo:
-            target = self.queue.present
+            target = self.queue.current_hit
             if target.point != point:
                 point, self.rejected = target.point, 0
             self.changed = False
@@ -63,10 +63,10 @@ class ImpactTest:
             except SamplesLostError as error:
                 self.restarts += 1
                 self.context.restart(error, self.restarts)
-                self.rest.early.restarted()
+                self.rest.early.stream_restarted()
                 self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was restarted")
 
-    def _hit(self, target: Target) -> None:
+    def _hit(self, target: HitTarget) -> None:
         rest = self.rest.wait(target.point, self._interrupted, self._report_rest)
         trigger = None if self._interrupted() else self._wait_for_hit(target)
         if trigger is None:
@@ -78,7 +78,7 @@ class ImpactTest:
         self._keep(target, first, rest, before)
         if self.plan.trigger == "hardware":
             self.context.stream.restart()
-            self.rest.early.restarted()
+            self.rest.early.stream_restarted()
 
     @property
     def _pre_trigger(self) -> int:
@@ -90,25 +90,25 @@ class ImpactTest:
         return self.changed or self.context.pause_requested
 
     def _obey(self) -> None:
-        for request in self.context.requests.take():
+        for request in self.context.requests.take_all():
             if isinstance(request, DropBlock | AcceptBlock) and request.block == self.undecided:
                 self.undecided = ""
-            if isinstance(request, DropBlock) and self.queue.drop(self.context, request):
-                self.struck.forget(request.block)
-                self.rest.motion.forget(request.block)
+            if isinstance(request, DropBlock) and self.queue.drop_hit(self.context, request):
+                self.struck.remove_hit(request.block)
+                self.rest.motion.remove_hit(request.block)
                 self.changed = True
             elif isinstance(request, AcceptBlock):
-                target = self.queue.accept(self.context, request)
+                target = self.queue.accept_hit(self.context, request)
                 if target is not None:
-                    self.struck.keep(request.block, request.block, target.point)
+                    self.struck.keep_hit(request.block, request.block, target.point)
                     self.changed = True
                     self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
 
     def _progress(self, what: str) -> None:
-        self.context.progress(len(self.queue.kept), self.queue.total, what)
+        self.context.report_progress(len(self.queue.kept), self.queue.total, what)
 
     def _report_rest(self, rest: RestState, remaining_s: float | None) -> None:
-        target, limit = self.queue.present, self.plan.acceptance.max_residual_ratio
+        target, limit = self.queue.current_hit, self.plan.acceptance.max_residual_ratio
         self.context.emit(
             WaitingForRest(
                 run=self.context.recorder.run, point=target.point, hit=target.hit, of=self.plan.hits,
@@ -116,20 +116,20 @@ class ImpactTest:
             )
         )  # fmt: skip
 
-    def _ask(self, target: Target) -> None:
+    def _ask(self, target: HitTarget) -> None:
         context = self.context
         if context.life.state == "arming":
-            context.life.enter("armed")
+            context.life.enter_state("armed")
         context.emit(HitRequested(run=context.recorder.run, point=target.point, hit=target.hit, of=self.plan.hits))
         context.bench.prompt_hit(target.point)
 
-    def _wait_for_hit(self, target: Target) -> int | None:
+    def _wait_for_hit(self, target: HitTarget) -> int | None:
         """The sample of the trigger; None if a pause or another request came first."""
         context, plan, stream = self.context, self.plan, self.context.stream
         if plan.trigger == "hardware":
             found = wait_for_record(context, plan, lambda: self._ask(target), self._interrupted)
             if found is not None and context.life.state == "armed":
-                context.life.enter("acquiring")
+                context.life.enter_state("acquiring")
             return found
         trigger = Trigger(plan.trigger_n, plan.hysteresis_n)
         last = stream.next + stream.samples_of(plan.hit_timeout_s)
@@ -137,11 +137,11 @@ class ImpactTest:
         while stream.next < last:
             if self._interrupted():
                 return None
-            chunk = stream.pull(stream.chunk)
+            chunk = stream.read_samples(stream.chunk)
             found = trigger.scan(context.conversion.force_n(chunk.samples))
             if found is not None:
                 if context.life.state == "armed":
-                    context.life.enter("acquiring")
+                    context.life.enter_state("acquiring")
                 return chunk.first_sample + found
         raise BenchTimeoutError(
             f"no hit above {plan.trigger_n:g} N at point {target.point} within {plan.hit_timeout_s:g} s",
@@ -149,16 +149,16 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or check the hammer's cable; earlier blocks are kept",
         )
 
-    def _keep(self, target: Target, first: int, rest: RestState, before: MotionBeforeHit) -> None:
+    def _keep(self, target: HitTarget, first: int, rest: RestState, before: MotionBeforeHit) -> None:
         context, limits = self.context, self.plan.acceptance
-        placed = context.place(first)
-        overload = context.stream.overload(first, context.block)
+        placed = context.place_block(first)
+        overload = context.stream.overloaded_channels(first, context.block)
         hit, ringing = self._measure(first), before.relative_to_block(context, first, self.rest.floor)
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
-        unclean = [*overloaded, *rejections(hit, limits)]
+        unclean = [*overloaded, *rejection_reasons(hit, limits)]
         # What is no clean hit says little about where it was.
         where = HitLocation() if unclean else self._where(target, first)
-        reasons = [*unclean, *where.reasons, *ringing.rejections(limits.max_residual_ratio)]
+        reasons = [*unclean, *where.reasons, *ringing.rejection_reasons(limits.max_residual_ratio)]
         name = self.queue.next_name() if reasons else target.name
         note = BlockNote(
             name=name,
@@ -170,7 +170,7 @@ class ImpactTest:
             overload=overload,
             facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
-        kept = context.keep(first, placed, note)
+        kept = context.keep_block(first, placed, note)
         if not unclean and not where.reasons:
             # One that only came too soon after another says as well how much a hit moves the structure.
             self._learn_motion(name, target.point, first)
@@ -178,8 +178,8 @@ class ImpactTest:
             self._reject(target.point, name, note.reason)
             self._let_operator_decide(kept, target.point)
             return
-        self.struck.keep(self.queue.next_name(), name, target.point)
-        self.queue.keep()
+        self.struck.keep_hit(self.queue.next_name(), name, target.point)
+        self.queue.keep_hit()
         self._let_operator_decide(kept, target.point)
         self._obey()
         self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
@@ -198,36 +198,36 @@ class ImpactTest:
         while self.undecided:
             self._obey()
             if self.undecided:
-                self.context.idle()
+                self.context.watch_while_waiting()
 
     def _learn_motion(self, name: str, point: int, first: int) -> None:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.view(first, context.block))
-        motion = context.motion(first, context.block)
-        self.rest.motion.keep(name, point, force_n, motion, context.window, self.rest.floor)
+        force_n = context.conversion.force_n(context.stream.view_samples(first, context.block))
+        motion = context.motion_samples(first, context.block)
+        self.rest.motion.add_hit(name, point, force_n, motion, context.rest_window, self.rest.floor)
 
     def _measure(self, first: int) -> Hit:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.view(first, context.block))
+        force_n = context.conversion.force_n(context.stream.view_samples(first, context.block))
         return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
 
-    def _where(self, target: Target, first: int) -> HitLocation:
+    def _where(self, target: HitTarget, first: int) -> HitLocation:
         context = self.context
         if not self.plan.acceptance.check_point:
             return HitLocation()
-        samples = context.stream.view(first, context.block)
+        samples = context.stream.view_samples(first, context.block)
         answer = response_of_hit(
             samples,
             context.conversion,
             context.stream.rate_hz,
             self._pre_trigger,
-            self.struck.rows,
+            self.struck.checked_rows,
             self.struck.up_to_hz,
         )
-        return HitLocation() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
+        return HitLocation() if answer is None else self.struck.check_hit(self.queue.next_name(), target.point, answer)
 
     def _reject(self, point: int, name: str, reason: str) -> None:
-        self.queue.reject(name)
+        self.queue.reject_hit(name)
         self.rejected += 1
         self._notify_rejected(point, reason)
         if self.rejected > self.plan.max_rejections:

@@ -20,7 +20,7 @@ from modallab.acquisition.monitor.settled import (
     sensor_motion,
 )
 from modallab.acquisition.procedures.trigger import Trigger
-from modallab.bench.protocol import Chunk
+from modallab.bench.protocol import SampleChunk
 from modallab.core.arrays import Real
 from modallab.core.events import HitTooEarly
 from modallab.core.plan import ImpactPlan
@@ -65,7 +65,7 @@ class EarlyHits:
     def __post_init__(self) -> None:
         self._trigger = Trigger(self.plan.trigger_n, self.plan.hysteresis_n)
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, chunk: SampleChunk) -> None:
         """Look at a chunk."""
         force = self.context.conversion.force_n(chunk.samples)
         found = self._trigger.scan(force)
@@ -78,7 +78,7 @@ class EarlyHits:
             self.context.emit(HitTooEarly(run=self.context.recorder.run, point=self.point, peak_n=peak))
         self.last = at
 
-    def restarted(self) -> None:
+    def stream_restarted(self) -> None:
         """The bench counts from 0 again."""
         self.last = None
 
@@ -101,7 +101,7 @@ class HitMotion:
     point_of: dict[str, int] = field(default_factory=dict[str, int])
     forces: dict[str, Real] = field(default_factory=dict[str, Real])
 
-    def keep(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: Floor) -> None:
+    def add_hit(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: Floor) -> None:
         """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
         sensors = sensor_motion(block, n, floor)
         self.forces[name] = np.abs(spectrum(force_n - np.median(force_n), n))[: sensors.shape[1]]
@@ -111,14 +111,14 @@ class HitMotion:
         for old in list(self.sensors)[:-KEPT]:
             del self.sensors[old]
         for old in [known for known, at in self.point_of.items() if at == point][:-KEPT]:
-            self.forget(old)
+            self.remove_hit(old)
 
-    def forget(self, name: str) -> None:
+    def remove_hit(self, name: str) -> None:
         """It counts no longer."""
         for known in (self.per_newton, self.sensors, self.point_of, self.forces):
             known.pop(name, None)
 
-    def expected(self, point: int) -> Real | None:
+    def expected_motion(self, point: int) -> Real | None:
         """(lines,) own motion that a weak hit at a point will make; None while nothing says so.
 
         A point that was not struck yet moves the structure as much more or less than one that was as its sensor moves
@@ -210,16 +210,16 @@ class RestWait:
         began = time.thread_time()
         look = context.look_at_last_window(self.floor, self.early)
         check = check_settled(look, self.floor)
-        expected = self.motion.expected(point)
+        expected = self.motion.expected_motion(point)
         ratio, line = None, check.line
         if expected is not None:
             ratio, line = largest_ratio(*ringing_lines(look, self.floor), expected)
         if context.bench.info.real_time:
             self._cost = stream.samples_of((time.thread_time() - began) / LOOKS_SHARE)
         # A hit at a window's end hardly shows in it: the window must lie after the hit.
-        struck = self.early.last is not None and stream.next - self.early.last < context.window
+        struck = self.early.last is not None and stream.next - self.early.last < context.rest_window
         allowed = self.plan.acceptance.max_residual_ratio
-        good = not struck and (check.settled or (ratio is not None and ratio <= allowed))
+        good = not struck and (check.is_settled or (ratio is not None and ratio <= allowed))
         return RestState(check, ratio, line * context.line_hz, good)
 
     def _remaining_s(self, before: RestState | None, now: RestState, apart: int) -> float | None:

@@ -20,7 +20,7 @@ Settled = Literal["yes", "no", "unknown"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Settling:
+class SettlingFit:
     """What a fit says.
 
     Attributes:
@@ -39,16 +39,16 @@ class Settling:
     mode_hz: Real
 
     @property
-    def total(self) -> float:
+    def total_decay(self) -> float:
         """All decays over the response."""
         return float(np.linalg.norm(self.ratio))
 
     def verdict(self, limit: float) -> Settled:
         """Whether the decays are below `limit`; unknown where the fit cannot decide it."""
         spread = float(np.linalg.norm(self.sigma))
-        if self.total - 2 * spread > limit:
+        if self.total_decay - 2 * spread > limit:
             return "no"
-        return "yes" if self.total <= limit and spread <= limit else "unknown"
+        return "yes" if self.total_decay <= limit and spread <= limit else "unknown"
 
     def further_wait_s(self, limit: float) -> float:
         """How much longer to wait until every decay is below its share of `limit`."""
@@ -60,7 +60,7 @@ class Settling:
         worst = int(np.argmax(self.ratio))
         return {
             "settled": self.verdict(limit),
-            "decay_ratio": self.total,
+            "decay_ratio": self.total_decay,
             "decay_sigma": float(np.linalg.norm(self.sigma)),
             "decay_mode_hz": float(self.mode_hz[worst]),
         }
@@ -68,7 +68,7 @@ class Settling:
 
 def fit_settling(
     force: Real, motion: Real, rate_hz: float, before: int, drive_hz: float, modes: Sequence[KnownMode]
-) -> Settling | None:
+) -> SettlingFit | None:
     """Fit a stretch of a burst's settled part.
 
     Args:
@@ -103,7 +103,7 @@ def fit_settling(
     response = power[0]
     if response <= 0:
         return None
-    return Settling(
+    return SettlingFit(
         frequency_hz=frequency,
         ratio=np.sqrt(np.maximum(power[1:] - noise[1:], 0) / response),
         sigma=np.sqrt(noise[1:] / response),

@@ -7,8 +7,8 @@ from math import ceil
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
-from modallab.acquisition.procedures.burst import BurstCheck, Drive, Setting, burst_of, check_burst
-from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
+from modallab.acquisition.procedures.burst import BurstCheck, BurstSetting, SineDrive, burst_of, check_burst
+from modallab.acquisition.procedures.target import SineStep, repeated_steps, steps_of
 from modallab.bench.capabilities import ReportsOutput, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
@@ -43,12 +43,12 @@ class SineTest:
     floor: Floor
     watch: BurstWatch
     restarts: int = 0
-    todo: deque[Step] = field(default_factory=deque[Step])
-    kept: dict[str, Step] = field(default_factory=dict[str, Step])
-    drive: Drive = field(init=False)
+    todo: deque[SineStep] = field(default_factory=deque[SineStep])
+    kept: dict[str, SineStep] = field(default_factory=dict[str, SineStep])
+    drive: SineDrive = field(init=False)
 
     def __post_init__(self) -> None:
-        self.drive = Drive(self.plan, self.limits)
+        self.drive = SineDrive(self.plan, self.limits)
 
     def run(self) -> None:
         """All levels, all frequencies; one that is to be repeated comes next.
@@ -58,32 +58,32 @@ class SineTest:
             SamplesLostError: the device lost samples too often.
         """
         self.todo.extend(steps_of(self.plan))
-        self.context.life.enter("armed")
-        self.context.life.enter("acquiring")
+        self.context.life.enter_state("armed")
+        self.context.life.enter_state("acquiring")
         while self.todo:
             step = self.todo.popleft()
             self._take(step)
             self.kept[step.name] = step
-            if step.replaces and self.context.drop(step.replaces, f"repeated as {step.name}"):
+            if step.replaces and self.context.drop_block(step.replaces, f"repeated as {step.name}"):
                 del self.kept[step.replaces]
             self._obey()
             self._notify(f"level {step.level}, {step.frequency_hz:.3f} Hz")
 
     def _notify(self, what: str) -> None:
         done = len(self.kept)
-        self.context.progress(done, done + len(self.todo), what)
+        self.context.report_progress(done, done + len(self.todo), what)
 
     def _obey(self) -> None:
-        for request in self.context.requests.take():
+        for request in self.context.requests.take_all():
             if isinstance(request, Repeat):
                 self.todo.extendleft(repeated_steps(request, self.kept))
-            elif self.context.drop(request.block, request.reason):
+            elif self.context.drop_block(request.block, request.reason):
                 self.kept.pop(request.block, None)
 
-    def _take(self, step: Step) -> None:
+    def _take(self, step: SineStep) -> None:
         """Bursts at one frequency until one counts."""
         volts = self.drive.first_v(step.level, step.frequency_hz)
-        setting: Setting | None = Setting(volts, self.plan.settle_s)
+        setting: BurstSetting | None = BurstSetting(volts, self.plan.settle_s)
         while setting is not None:
             try:
                 setting = self._burst(step, setting)
@@ -93,14 +93,14 @@ class SineTest:
                 self.context.restart(error, self.restarts)
                 self.context.excitation.on = False
 
-    def _burst(self, step: Step, setting: Setting) -> Setting | None:
+    def _burst(self, step: SineStep, setting: BurstSetting) -> BurstSetting | None:
         """One burst from rest and its block; what to try next, or None if this one counts."""
         context, stream = self.context, self.context.stream
         context.pause_if_requested(self.watch)
         rest = self._wait_until_settled(step)
         # What was requested during the wait comes before the burst.
         context.pause_if_requested(self.watch)
-        before = stream.cut(stream.next - context.window, context.window)
+        before = stream.copy_samples(stream.next - context.rest_window, context.rest_window)
         noise = self.watch.require_alive(before, counts=stream.counts)
         burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
         context.excitation.on = True
@@ -115,7 +115,7 @@ class SineTest:
             stream.advance_to(end, self.watch, context.driving_chunk)
             context.excitation.on = False
             seen = check_burst(context, self.plan, self.watch, note, setting)
-            self.watch.plausible.settled(step.frequency_hz, seen.measured.force_n, setting.volts)
+            self.watch.plausible.check_settled_force(step.frequency_hz, seen.measured.force_n, setting.volts)
             following = self._next(step, setting, seen)
         except SafetyError as error:
             context.bench.zero()
@@ -125,18 +125,18 @@ class SineTest:
         self.watch.end()
         if isinstance(context.bench, ReportsOutput):
             note = replace(note, facts=note.facts | context.bench.output_facts())
-        context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
+        context.record_block(first, self._judged(note, seen, step, setting, rejected=following is not None))
         if following is None:
-            self.drive.good(step.level, seen.measured)
+            self.drive.remember_good_voltage(step.level, seen.measured)
         return following
 
-    def _wait_until_settled(self, step: Step) -> SettledCheck:
+    def _wait_until_settled(self, step: SineStep) -> SettledCheck:
         """The plan's rest, and longer until the beam is at rest; past the plan's patience go on with what there is."""
         context, stream = self.context, self.context.stream
         last = stream.next + stream.samples_of(max(self.plan.wait_s, self.plan.settle_timeout_s))
         stream.advance_to(stream.next + stream.samples_of(self.plan.wait_s), self.watch)
         waited = 0
-        while not (rest := context.check_settled_now(self.floor, self.watch)).settled and stream.next < last:
+        while not (rest := context.check_settled_now(self.floor, self.watch)).is_settled and stream.next < last:
             waited += 1
             if waited % NOTIFY_BLOCKS == 0:
                 ringing_hz = rest.line * context.line_hz
@@ -144,7 +144,7 @@ class SineTest:
             stream.advance_to(stream.next + context.block, self.watch)
         return rest
 
-    def _note(self, step: Step, setting: Setting, start: int, first: int, rest: SettledCheck) -> BlockNote:
+    def _note(self, step: SineStep, setting: BurstSetting, start: int, first: int, rest: SettledCheck) -> BlockNote:
         return BlockNote(
             name=step.name,
             test="sine",
@@ -160,7 +160,7 @@ class SineTest:
             },
         )
 
-    def _next(self, step: Step, setting: Setting, seen: BurstCheck) -> Setting | None:
+    def _next(self, step: SineStep, setting: BurstSetting, seen: BurstCheck) -> BurstSetting | None:
         """Another burst, where it may be better: longer, as the decay that was seen asks for, or at another drive."""
         longest = self.plan.max_settle_s or self.plan.settle_s
         settle_s, volts = setting.settle_s, setting.volts
@@ -170,14 +170,16 @@ class SineTest:
             volts = self.drive.next_v(step.level, step.frequency_hz, seen.measured) or volts
         if settle_s <= setting.settle_s and volts == setting.volts:
             return None
-        return Setting(volts, settle_s, setting.number + 1)
+        return BurstSetting(volts, settle_s, setting.number + 1)
 
-    def _judged(self, note: BlockNote, seen: BurstCheck, step: Step, setting: Setting, *, rejected: bool) -> BlockNote:
-        overload = self.context.stream.overload(note.first_sample, self.context.block)
+    def _judged(
+        self, note: BlockNote, seen: BurstCheck, step: SineStep, setting: BurstSetting, *, rejected: bool
+    ) -> BlockNote:
+        overload = self.context.stream.overloaded_channels(note.first_sample, self.context.block)
         reasons = [
             *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
             *([seen.unsettled] if seen.unsettled else []),
-            *([error] if (error := self.drive.error(step.level, seen.measured)) else []),
+            *([error] if (error := self.drive.force_error(step.level, seen.measured)) else []),
         ]
         return replace(
             note,
@@ -196,9 +198,9 @@ class SineTest:
             first_sample=first,
             accepted=False,
             reason=error.what,
-            overload=self.context.stream.overload(first, self.context.block),
+            overload=self.context.stream.overloaded_channels(first, self.context.block),
         )
-        self.context.record(first, tripped)
+        self.context.record_block(first, tripped)
 
 
 def run_sine(context: RunContext, plan: SinePlan) -> None:

@@ -9,40 +9,40 @@ from modallab.core.plan import Plan, SinePlan
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class HitTarget:
     """A hit that is requested.
 
     Attributes:
         point: point to hit.
         hit: its number at the point, from 1.
-        again: how often it was kept before and then dropped.
+        repetition: how often it was kept before and then dropped.
     """
 
     point: int
     hit: int
-    again: int = 0
+    repetition: int = 0
 
     @property
     def name(self) -> str:
         """Name of its record."""
-        return f"impact_p{self.point:02d}_{self.hit}" + (f"_again_{self.again}" if self.again else "")
+        return f"impact_p{self.point:02d}_{self.hit}" + (f"_again_{self.repetition}" if self.repetition else "")
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SineStep:
     """A burst that is requested.
 
     Attributes:
         level: name of the drive level.
         frequency_hz: to drive at.
-        again: how often it was recorded before and is to be repeated.
+        repetition: how often it was recorded before and is to be repeated.
         replaces: name of the record it takes the place of, once it is kept.
         downwards: whether it belongs to the second, downward sweep of two.
     """
 
     level: str
     frequency_hz: float
-    again: int = 0
+    repetition: int = 0
     replaces: str = ""
     downwards: bool = False
 
@@ -50,25 +50,27 @@ class Step:
     def name(self) -> str:
         """Name of its record."""
         sweep = "_down" if self.downwards else ""
-        return block_name(self.level, self.frequency_hz) + sweep + (f"_again_{self.again}" if self.again else "")
+        return (
+            block_name(self.level, self.frequency_hz) + sweep + (f"_again_{self.repetition}" if self.repetition else "")
+        )
 
 
-def steps_of(plan: SinePlan) -> list[Step]:
+def steps_of(plan: SinePlan) -> list[SineStep]:
     """The bursts of a plan, in order: level by level, in each the sweep that is asked for."""
     given, up = list(plan.frequencies_hz), sorted(plan.frequencies_hz)
     order = {"given": given, "up": up, "down": up[::-1], "up-down": up}[plan.sweep]
-    steps: list[Step] = []
+    steps: list[SineStep] = []
     for level in plan.levels_v:
-        steps += [Step(level, f) for f in order]
+        steps += [SineStep(level, f) for f in order]
         if plan.sweep == "up-down":
-            steps += [Step(level, f, downwards=True) for f in up[::-1]]
+            steps += [SineStep(level, f, downwards=True) for f in up[::-1]]
     return steps
 
 
-def repeated_steps(request: Repeat, kept: Mapping[str, Step]) -> list[Step]:
+def repeated_steps(request: Repeat, kept: Mapping[str, SineStep]) -> list[SineStep]:
     """The steps a request asks for, out of those that were kept."""
     return [
-        replace(step, again=step.again + 1, replaces=name)
+        replace(step, repetition=step.repetition + 1, replaces=name)
         for name, step in kept.items()
         if round(step.frequency_hz, 3) == round(request.frequency_hz, 3) and request.level in (None, "", step.level)
     ]

@@ -79,7 +79,7 @@ def wait_for_record(
     """
     bench, stream = context.bench, context.stream
     assert isinstance(bench, TriggersInHardware)
-    before = context.window + stream.samples_of(plan.pre_trigger_s)
+    before = context.rest_window + stream.samples_of(plan.pre_trigger_s)
     bench.stop()
     bench.arm(_reference_trigger(context, plan, before))
     while not bench.is_armed():
@@ -93,7 +93,7 @@ def wait_for_record(
             stream.restart()
             return None
         try:
-            stream.adopt(bench.triggered(LOOK_S))
+            stream.replace_by_record(bench.triggered(LOOK_S))
         except BenchTimeoutError:
             if time.monotonic() >= deadline:
                 raise
@@ -109,5 +109,5 @@ def _reference_trigger(context: RunContext, plan: ImpactPlan, before: int) -> Re
         level=float(plan.trigger_n / per_count),
         hysteresis=float(abs(plan.hysteresis_n / per_count)),
         pre_trigger=before,
-        count=context.window + block,
+        count=context.rest_window + block,
     )

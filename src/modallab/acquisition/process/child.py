@@ -155,7 +155,7 @@ LOOK_S = 0.25
 """Between two looks whether somebody wants to see the channels while no run is on."""
 
 
-def serve(
+def serve_rig(
     connection: Connection, life_line: Connection | None, url: str, rig: Rig, folder: Path, supervision: str
 ) -> None:
     """Open the bench, bring its output to zero, and run plans until asked to leave or until the owner is gone.
@@ -206,7 +206,7 @@ def _serve(link: OwnerLink, url: str, rig: Rig, folder: Path, guard: OutputGuard
             scope = IdleView(bench, rig, folder)
             while (command := _next_plan(link, scope)) is not None:
                 _run(link, bench, rig, store, command, guard)
-                guard.life.idle()
+                guard.life.report_idle()
     finally:
         make_safe(bench)
         with suppress(BenchError):
@@ -221,7 +221,7 @@ def _is_over(store: Store, name: str, url: str) -> bool:
 
 def _next_plan(link: OwnerLink, scope: IdleView) -> RunPlan | None:
     while not link.has_plan(LOOK_S):
-        if scope.wanted:
+        if scope.is_wanted:
             scope.show(lambda: link.has_plan(0.0))
     return link.next_plan()
 
@@ -233,8 +233,8 @@ def _run(link: OwnerLink, bench: Bench, rig: Rig, store: Store, order: RunPlan, 
     sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else keep_awake()
 
     def control() -> Order | None:
-        guard.life.working(driving=excitation.on)
-        return link.order()
+        guard.life.report_running(driving=excitation.on)
+        return link.next_order()
 
     try:
         with (

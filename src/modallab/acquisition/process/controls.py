@@ -55,7 +55,7 @@ class RunView:
     last_block: str = ""
     undecided: str = ""
 
-    def after(self, event: Event) -> Self:
+    def after_event(self, event: Event) -> Self:
         """The view once this event has happened."""
         if isinstance(event, DecisionRequested):
             return replace(self, undecided=event.name)
@@ -162,7 +162,7 @@ class RunControls(ABC):
             return
         with Store(self._folder) as store:
             store.drop(self._view.run, block, reason)
-        self._view = self._view.after(BlockDropped(run=self._view.run, name=block, reason=reason))
+        self._view = self._view.after_event(BlockDropped(run=self._view.run, name=block, reason=reason))
 
     def accept(self, block: str, reason: str, operator: str = "") -> None:
         """Let a hit of the running impact test count that was rejected or dropped; it is then no longer asked for.
@@ -181,7 +181,7 @@ class RunControls(ABC):
         self._running, self._pausing = True, False
 
     def _saw(self, event: Event) -> None:
-        self._view = self._view.after(event)
+        self._view = self._view.after_event(event)
 
     @property
     def _driving(self) -> bool:

@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveRingBuffer
-from modallab.bench.protocol import Bench, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 
@@ -45,7 +45,7 @@ class IdleView:
         self._not_before_s = float("-inf")
 
     @property
-    def wanted(self) -> bool:
+    def is_wanted(self) -> bool:
         """Whether somebody looks."""
         request, now = self._look(), time.monotonic()
         if request != self._request:
@@ -62,13 +62,13 @@ class IdleView:
 
     def _show(self, ended: Callable[[], bool]) -> None:
         bench = self._bench
-        delivery = bench.configure(Request("impact", RATE_HZ))
+        delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
         chunk = max(1, round(CHUNK_S * delivery.rate_hz))
         with LiveRingBuffer(self._folder) as live:
             tap = live.open(self._name, self._rig, delivery)
             bench.start()
             try:
-                while self.wanted and not ended():
+                while self.is_wanted and not ended():
                     tap(bench.read(chunk, CHUNK_S + SLACK_S))
                     if not bench.info.real_time:
                         time.sleep(CHUNK_S)

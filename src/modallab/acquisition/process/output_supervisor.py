@@ -32,14 +32,14 @@ class HeartbeatPipe:
         self._sign: Sign = "idle"
         self._send(os.getpid())
 
-    def working(self, *, driving: bool) -> None:
+    def report_running(self, *, driving: bool) -> None:
         """A test is on, with or without a burst, and all is well."""
         sign: Sign = "driving" if driving else "working"
         if sign != self._sign or time.monotonic() - self._said_s >= BEAT_S:
             self._said_s = time.monotonic()
             self._say(sign)
 
-    def idle(self) -> None:
+    def report_idle(self) -> None:
         """No test is on: no sign of life means nothing."""
         self._said_s = 0.0
         self._say("idle")
@@ -58,7 +58,7 @@ class HeartbeatPipe:
             self._connection = None
 
 
-class Supervisor:
+class OutputSupervisor:
     """The owner's end."""
 
     def __init__(self, url: str, rig: Rig, data_folder: Path) -> None:
@@ -84,7 +84,7 @@ class Supervisor:
         theirs.close()
         self._expect_ready()
 
-    def zero(self) -> None:
+    def zero_output(self) -> None:
         """Emergency stop: bring the output to 0 V, whatever the rig's process does.
 
         Raises:
@@ -127,7 +127,7 @@ class Supervisor:
             raise answer
 
 
-def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor | None, str]:
+def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[OutputSupervisor | None, str]:
     """A supervisor for a bench whose output outlives its process and that the rig allows to drive, and what to say.
 
     Without one only what is finite is relied on: a burst's own end and a watchdog where there is one. The second value
@@ -136,7 +136,7 @@ def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor 
     if rig.shaker_point is None or not has_output(url):
         return None, "the output ends with the process that drives it"
     try:
-        return Supervisor(url, rig, data_folder), "a supervisor has its own handle to the output"
+        return OutputSupervisor(url, rig, data_folder), "a supervisor has its own handle to the output"
     except ModallabError as error:
         watchdog = rig.excitation.watchdog_s if rig.excitation is not None else None
         left = (

@@ -40,7 +40,7 @@ Sign = Literal["driving", "working", "idle"]
 Order = Literal["zero", "leave"]
 
 
-def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_folder: Path) -> None:
+def supervise_output(watched: Connection, owner: Connection, url: str, rig: Rig, data_folder: Path) -> None:
     """What runs in the supervisor's process."""
     _stand_apart()
     try:

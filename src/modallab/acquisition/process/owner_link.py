@@ -8,7 +8,7 @@ from queue import SimpleQueue
 from threading import Event as Flag
 from threading import Thread
 
-from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, Requests
+from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, OperatorRequests
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.prepare_run import Order
 from modallab.bench.protocol import BenchInfo
@@ -95,7 +95,7 @@ class OwnerLink:
         self._connection = connection
         self._timeout_s = timeout_s
         self._order: Order | None = None
-        self.requests = Requests()
+        self.requests = OperatorRequests()
         self._plans: SimpleQueue[RunPlan | None] = SimpleQueue()
         self._asked = Flag()
         self._reports: SimpleQueue[Report | None] = SimpleQueue()
@@ -103,7 +103,7 @@ class OwnerLink:
         self._sender.start()
         Thread(target=self._receive, name="commands", daemon=True).start()
 
-    def order(self) -> Order | None:
+    def next_order(self) -> Order | None:
         """What the owner wants of the active run."""
         return self._order
 
@@ -160,10 +160,10 @@ class OwnerLink:
         if isinstance(command, RunPlan):
             # A stop that came too late for the run before is no stop of this one.
             self._order = None
-            self.requests.forget()
+            self.requests.clear()
             self._put(command)
         elif isinstance(command, Repeat | DropBlock | AcceptBlock):
-            self.requests.ask(command)
+            self.requests.add(command)
         else:
             act[type(command)]()
 

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRingBuffer, LiveTap
-from modallab.acquisition.monitor.run_states import Emit, Excitation, Lifecycle, Requests
+from modallab.acquisition.monitor.run_states import Emit, Excitation, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.sensors import PATIENCE_S, sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.trip import TripLatch
-from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.bench.protocol import AcquisitionRequest, Bench, DeliveredSampling
 from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import PlanError, RigError
 from modallab.core.events import Notice
@@ -54,17 +54,17 @@ class RunSetup:
     plan: Plan
     recorder: Recorder
     emit: Emit
-    life: Lifecycle
+    life: RunLifecycle
     control: Control
     chunk_s: float
-    requests: Requests = field(default_factory=Requests)
+    requests: OperatorRequests = field(default_factory=OperatorRequests)
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
     live: LiveRingBuffer | None = None
     expected: ExpectedModes | None = None
 
-    def tap(self, delivery: Delivery) -> LiveTap | None:
+    def show_samples(self, delivery: DeliveredSampling) -> LiveTap | None:
         """Shows what comes, where it is to be shown."""
         return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
 
@@ -78,7 +78,7 @@ class RunSetup:
         order = self.control()
         if order is not None:
             raise OrderedStopError(order)
-        trip = self.latch.read() if self.latch is not None and self.latch.tripped else None
+        trip = self.latch.read() if self.latch is not None and self.latch.is_tripped else None
         if trip is not None and trip.cause == "emergency stop":
             raise OrderedStopError("emergency")
         if trip is not None and self.latch is not None:
@@ -105,11 +105,11 @@ def output_stop_in_words(plan: SinePlan | BroadbandPlan, setup: RunSetup) -> str
     return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
-def prepare(setup: RunSetup) -> RunContext:
+def prepare_run(setup: RunSetup) -> RunContext:
     """Configure the bench, open the record, and start streaming."""
     bench, plan = setup.bench, setup.plan
     bench.zero()
-    delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    delivery = bench.configure(AcquisitionRequest(records_of(plan), plan.rate_hz))
     _report_rate(setup, delivery)
     conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
@@ -123,7 +123,9 @@ def prepare(setup: RunSetup) -> RunContext:
     # A block is looked at, and written, when its burst has ended.
     tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
     keep = MEMORY_BLOCKS * block + tail
-    stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
+    stream = Stream(
+        bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.show_samples(delivery)
+    )
     load_filters(setup.rig.limits)
     bench.start()
     return RunContext(
@@ -132,7 +134,7 @@ def prepare(setup: RunSetup) -> RunContext:
     )  # fmt: skip
 
 
-def _report_rate(setup: RunSetup, delivery: Delivery) -> None:
+def _report_rate(setup: RunSetup, delivery: DeliveredSampling) -> None:
     asked_hz, given_hz = delivery.requested_rate_hz, delivery.rate_hz
     if not isclose(asked_hz, given_hz, rel_tol=1e-9):
         what = f"the device samples at {given_hz:.10g} Hz; {asked_hz:.10g} Hz was requested"
@@ -173,7 +175,7 @@ def wait_for_supplies(setup: RunSetup, context: RunContext) -> None:
         setup.emit(Notice(run=run, what=what))
 
 
-def _recut_of_plan(plan: Plan, delivery: Delivery) -> ResamplingRule | None:
+def _recut_of_plan(plan: Plan, delivery: DeliveredSampling) -> ResamplingRule | None:
     if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
         return None
     if plan.delivered_hz > delivery.rate_hz:

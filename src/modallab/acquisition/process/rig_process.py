@@ -130,7 +130,7 @@ class RigProcess(RunControls):
         """
         try:
             if self.supervisor is not None:
-                self.supervisor.zero()
+                self.supervisor.zero_output()
         finally:
             try:
                 self.latch.trip("emergency stop", why)

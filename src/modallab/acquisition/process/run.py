@@ -1,7 +1,7 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from modallab.acquisition.monitor.live import LiveRingBuffer
-from modallab.acquisition.monitor.run_states import DropBlock, Emit, Excitation, Lifecycle, Requests
+from modallab.acquisition.monitor.run_states import DropBlock, Emit, Excitation, OperatorRequests, RunLifecycle
 from modallab.acquisition.procedures.broadband import run_broadband
 from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.impact import run_impact
@@ -15,7 +15,7 @@ from modallab.acquisition.process.prepare_run import (
     OrderedStopError,
     RunSetup,
     output_stop_in_words,
-    prepare,
+    prepare_run,
     require_sensors_known,
     wait_for_supplies,
 )
@@ -42,7 +42,7 @@ def run_plan(
     control: Control = lambda: None,
     chunk_s: float | None = None,
     *,
-    requests: Requests | None = None,
+    requests: OperatorRequests | None = None,
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
@@ -70,11 +70,11 @@ def run_plan(
         TrippedError: the rig was tripped and not reset.
         ModallabError: what ended the run early, after the output was brought to zero and `Failed` was reported.
     """
-    life = Lifecycle(recorder, emit)
+    life = RunLifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = RunSetup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        requests or Requests(), latch, supervision, excitation or Excitation(), live, expected,
+        requests or OperatorRequests(), latch, supervision, excitation or Excitation(), live, expected,
     )  # fmt: skip
     try:
         try:
@@ -89,7 +89,7 @@ def run_plan(
         raise
 
 
-def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control: Control = lambda: None) -> str:
+def record_run(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control: Control = lambda: None) -> str:
     """Begin a run in a store, run the plan, let go of the run; returns its name. Raises as `run_plan`."""
     with store.begin(plan, rig, bench.info) as recorder:
         run_plan(bench, rig, plan, recorder, emit, control)
@@ -124,7 +124,7 @@ def _work_unless_ended(setup: RunSetup) -> None:
 
 
 def _work(setup: RunSetup) -> None:
-    setup.life.enter("arming")
+    setup.life.enter_state("arming")
     if setup.latch is not None:
         setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
@@ -134,7 +134,7 @@ def _work(setup: RunSetup) -> None:
     if isinstance(setup.plan, SinePlan | BroadbandPlan):
         setup.emit(Notice(run=setup.recorder.run, what=output_stop_in_words(setup.plan, setup)))
     require_sensors_known(setup)
-    context = prepare(setup)
+    context = prepare_run(setup)
     wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan, setup.expected)
@@ -145,27 +145,27 @@ def _work(setup: RunSetup) -> None:
     setup.bench.zero()
     setup.bench.stop()
     _drop_left(setup)
-    setup.life.enter("processing")
+    setup.life.enter_state("processing")
     setup.recorder.close_file()
-    setup.life.enter("done")
+    setup.life.enter_state("done")
 
 
 def _drop_left(setup: RunSetup) -> None:
     # A request that came after the last look is still a request; there is no more time to ask for the hit again.
-    for request in setup.requests.take():
+    for request in setup.requests.take_all():
         if isinstance(request, DropBlock) and setup.recorder.drop(request.block, request.reason):
             setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 
 def _end(setup: RunSetup, order: Order) -> None:
     life = setup.life
-    life.enter("stopping", _SAID[order])
+    life.enter_state("stopping", _SAID[order])
     if order == "stop":
-        life.enter("done", _SAID[order])
+        life.enter_state("done", _SAID[order])
     elif order in ("abort", "emergency"):
-        life.enter("aborted", _SAID[order], valid=False)
+        life.enter_state("aborted", _SAID[order], valid=False)
     else:
-        life.enter("failed", _SAID[order])
+        life.enter_state("failed", _SAID[order])
         setup.emit(
             Failed(run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue the run as a new run")
         )
@@ -180,12 +180,12 @@ _SAID: dict[Order, str] = {
 }
 
 
-def _fail(life: Lifecycle, recorder: Recorder, emit: Emit, error: BaseException) -> None:
+def _fail(life: RunLifecycle, recorder: Recorder, emit: Emit, error: BaseException) -> None:
     known = error if isinstance(error, ModallabError) else ModallabError(f"unexpected {type(error).__name__}: {error}")
     try:
         if life.state != "stopping":
-            life.enter("stopping", known.what)
-        life.enter("failed", known.what)
+            life.enter_state("stopping", known.what)
+        life.enter_state("failed", known.what)
     except ModallabError:
         # A full disk may take not even the state; the next start marks the run as interrupted.
         pass

@@ -59,7 +59,7 @@ class TripLatch:
         self._path = data_folder / FOLDER / f"{hashlib.sha256(place.encode()).hexdigest()[:16]}.json"
 
     @property
-    def tripped(self) -> bool:
+    def is_tripped(self) -> bool:
         """Whether it is; cheap enough to be asked all the time."""
         return self._path.exists()
 
@@ -69,7 +69,7 @@ class TripLatch:
         Raises:
             StorageError: it cannot be written.
         """
-        if self.tripped:
+        if self.is_tripped:
             return
         trip = Trip(url=self._url, cause=cause, what=what, utc=datetime.now(UTC).isoformat(timespec="milliseconds"))
         try:

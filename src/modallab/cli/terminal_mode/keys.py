@@ -60,7 +60,7 @@ class KeyMap:
         """For the screen's last line."""
         return "   ".join(f"{key}: {meaning}" for meaning, key in self.names.items())
 
-    def meaning(self, typed: str) -> Meaning | None:
+    def action_of(self, typed: str) -> Meaning | None:
         """What was typed means; Enter is sent as one of two."""
         return self.meanings.get("\r" if typed == "\n" else typed)
 
@@ -80,7 +80,7 @@ def listen_to_keys(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generato
 
 def _follow_keys(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], None]) -> None:
     while typed := read():
-        meaning = keys.meaning(typed)
+        meaning = keys.action_of(typed)
         if meaning is not None:
             pressed(meaning)
 

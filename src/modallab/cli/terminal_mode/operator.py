@@ -103,7 +103,7 @@ _LEAVE_S = 5.0
 """How long a comparison that is on may take once the session ends."""
 
 
-class Operator:
+class TerminalOperator:
     """The operator's end of a session: `notify` gets its events, `pressed` the keys, from any thread.
 
     Attributes:
@@ -125,7 +125,7 @@ class Operator:
     def notify(self, event: EventView) -> None:
         """Show what an event means to the operator."""
         with self._lock:
-            before, self._state = self._state, self._state.after(event)
+            before, self._state = self._state, self._state.after_event(event)
             state = self._state
             if state == before:
                 return
@@ -142,7 +142,7 @@ class Operator:
             if self._state != before:
                 self._show(self._state, before)
 
-    def pressed(self, meaning: Meaning) -> None:
+    def handle_key(self, meaning: Meaning) -> None:
         """Do what a key means; what cannot be done now is shown, and the test goes on."""
         with self._lock:
             state = self._state
@@ -159,7 +159,7 @@ class Operator:
         except ModallabError as error:
             self._console.print(error.what, markup=False, highlight=False)
 
-    def moved(self, setup: str, moves: Sequence[SensorMove], key_pressed: Callable[[], bool]) -> bool:
+    def confirm_sensor_moves(self, setup: str, moves: Sequence[SensorMove], key_pressed: Callable[[], bool]) -> bool:
         """Say which sensors to move, and wait for the key that says they are; False if the operator quits instead.
 
         Args:

@@ -40,12 +40,12 @@ class SessionState:
     last_good: int | None = None
     last_rejected: int | None = None
 
-    def after(self, event: EventView) -> Self:
+    def after_event(self, event: EventView) -> Self:
         """The state once this event has happened; the same object if the operator need not know."""
         said, run = event.content, event.run or ""
         if run != self.run:
             fresh = type(self)(run=run)
-            return fresh.after(event) if fresh.run == run and run else fresh
+            return fresh.after_event(event) if fresh.run == run and run else fresh
         handler = _HANDLERS.get(event.kind)
         return self if handler is None else replace(self, **handler(self, said))
 

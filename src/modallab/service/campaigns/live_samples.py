@@ -182,7 +182,7 @@ class LiveView:
             return
         rows = [i for i, name in enumerate(info.channels) if not self.chosen.channels or name in self.chosen.channels]
         # What began while the viewer looked is shown from its beginning.
-        begin = (ring.written if self.chosen.after is None else self.chosen.after) if self._first else 0
+        begin = (ring.samples_written if self.chosen.after is None else self.chosen.after) if self._first else 0
         self._sources[run] = LiveSource(rig, info, ring, rows, begin)
 
 
@@ -204,7 +204,7 @@ def _extremes_by_column(source: LiveSource, width: int) -> bytes | None:
     """Whole columns of `width` samples: (channels, 2, columns) least and largest value in each channel's unit."""
     info = source.info
     begin = -(-source.next // width) * width
-    columns = min(source.ring.written - begin, max(width, int(LARGEST_S * info.rate_hz))) // width
+    columns = min(source.ring.samples_written - begin, max(width, int(LARGEST_S * info.rate_hz))) // width
     if columns < 1:
         return None
     first, samples, over = source.ring.read(begin, columns * width, source.rows)

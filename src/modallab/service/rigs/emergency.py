@@ -76,17 +76,17 @@ class EmergencyStop:
             future.set_exception(error)
 
     def _stop(self, process: RigProcess | None, reason: str, operator: str) -> None:
-        if process is not None and process is self._stopped and (self._latch.tripped or self._unwritten):
+        if process is not None and process is self._stopped and (self._latch.is_tripped or self._unwritten):
             if process.supervisor is not None:
-                process.supervisor.zero()
+                process.supervisor.zero_output()
             return
-        if process is None and self._latch.tripped:
+        if process is None and self._latch.is_tripped:
             return
         try:
             self._command(process, reason)
         except StorageError:
             # The output is at 0 V by now. A full disk mostly has room for a latch that says nothing.
-            self._unwritten = "" if self._latch.tripped else reason
+            self._unwritten = "" if self._latch.is_tripped else reason
         finally:
             self._notify(reason, operator)
         self._stopped = process

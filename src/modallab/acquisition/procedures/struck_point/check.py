@@ -32,11 +32,11 @@ class AccumulatedFrfs:
     of_hit: dict[str, Complex128] = field(default_factory=dict[str, Complex128])
     point_of: dict[str, int] = field(default_factory=dict[str, int])
 
-    def keep(self, name: str, point: int, frf: Complex128) -> None:
+    def add_hit(self, name: str, point: int, frf: Complex128) -> None:
         """A hit counts."""
         self.of_hit[name], self.point_of[name] = frf, point
 
-    def forget(self, name: str) -> None:
+    def remove_hit(self, name: str) -> None:
         """It counts no longer."""
         self.of_hit.pop(name, None)
         self.point_of.pop(name, None)
@@ -45,7 +45,7 @@ class AccumulatedFrfs:
         """How many count at a point."""
         return sum(p == point for p in self.point_of.values())
 
-    def distances(self, frf: Complex128) -> dict[int, float]:
+    def distances_to_points(self, frf: Complex128) -> dict[int, float]:
         """How far an FRF (sensors, lines) is from that of each known point: 0 is the same, 1 has nothing in common.
 
         Lines count alike, so that no resonance alone decides.
@@ -176,11 +176,11 @@ class StruckPointCheck:
         return cls(AccumulatedFrfs(tuple(c.point or 0 for c in sensors), alike), conversion.motion, up_to_hz, expected)
 
     @property
-    def rows(self) -> tuple[int, ...]:
+    def checked_rows(self) -> tuple[int, ...]:
         """Places in the rig of the channels that are looked at."""
         return tuple(sorted({*self.channels, *(self.expected.channels if self.expected is not None else ())}))
 
-    def look(self, name: str, point: int, answer: HitResponse) -> HitLocation:
+    def check_hit(self, name: str, point: int, answer: HitResponse) -> HitLocation:
         """Hold a hit against all that is known; `name` is that of its record should it be rejected."""
         look = self._measure(answer)
         self.looks[name] = look
@@ -191,21 +191,21 @@ class StruckPointCheck:
         by_frfs = self._by_frfs(point, look)
         return by_modes if by_frfs.reasons and by_modes.nearest_point != point else by_frfs
 
-    def keep(self, looked_at: str, name: str, point: int) -> None:
+    def keep_hit(self, looked_at: str, name: str, point: int) -> None:
         """The hit that was looked at under one name counts, at this point, and its record has the other."""
         look = self.looks.get(looked_at)
         self.looks.clear()
         if look is None:
             return
-        self.frfs.keep(name, point, look.frf)
+        self.frfs.add_hit(name, point, look.frf)
         if self.expected is not None:
             shape = np.full(len(self.expected.frequency_hz), np.nan)
             shape[look.modes] = look.shape
             self.shapes[name] = shape
 
-    def forget(self, name: str) -> None:
+    def remove_hit(self, name: str) -> None:
         """A hit was dropped."""
-        self.frfs.forget(name)
+        self.frfs.remove_hit(name)
         self.shapes.pop(name, None)
 
     def _measure(self, answer: HitResponse) -> _Look:
@@ -256,7 +256,7 @@ class StruckPointCheck:
         return np.where(count > 0, np.nansum(seen, axis=0) / np.maximum(count, 1), believed)
 
     def _by_frfs(self, point: int, look: _Look) -> HitLocation:
-        away = self.frfs.distances(look.frf)
+        away = self.frfs.distances_to_points(look.frf)
         if point not in away:
             return HitLocation()
         return _judge_point(point, away, self.frfs.scale(look.frf, point), FAR_BY_FRFS, self.frfs.hits_at(point))
