@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from service_process import ServiceProcess
 
-from modallab.core.documents.runs import Abort
+from modallab.core.documents.runs import AbortRun
 from modallab.core.plan import SinePlan
 
 DRIVE = SinePlan(frequencies_hz=tuple(19.0 + n / 4 for n in range(400)), settle_s=2.0, ramp_s=0.5, wait_s=0.5)
@@ -45,7 +45,7 @@ def watch(service: ServiceProcess, minutes: float) -> tuple[int, int]:
                 lab.reset_rig(service.rig, lease, "false alarm")
                 lab.wait_until_idle(service.rig)
             else:
-                lab.command_run(run, Abort(), lease)
+                lab.command_run(run, AbortRun(), lease)
     return alarms, asked
 
 

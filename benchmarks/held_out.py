@@ -77,7 +77,7 @@ def cases(seed: int) -> Iterator[Case]:
 def known_of(whole: Campaign, seen: Sequence[Signals]) -> KnownStructure:
     """The model of some records. Its sensors are those of the records it is compared with, and so is its stinger."""
     blocks = tuple(s.block for s in seen)
-    model = ml.identify(Recording(replace(whole, blocks=blocks)), blocks[0].test, progress=False).modal
+    model = ml.identify(Recording(replace(whole, blocks=blocks)), blocks[0].test, progress=False).modal_model
     known = {"sensitivity": 0.0, "position_m": 0.0}
     if model.hit_shares is None:
         known |= {"hit_position_m": 0.0, "hit_gain": 0.0}
@@ -128,7 +128,7 @@ def samples_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off:
     spectrum = np.zeros((len(off), held.force.size // 2 + 1), complex)
     spectrum[:, lines] = off
     noise = np.var(held.responses[:, : held.hit.first], axis=1)[:, None]
-    stated = known.deviation(lambda one: motion(one, held)) ** 2 + noise
+    stated = known.standard_deviation(lambda one: motion(one, held)) ** 2 + noise
     moving = slice(held.hit.first, None)
     inside = np.fft.irfft(spectrum, held.force.size) ** 2 <= 1.96**2 * stated
     return np.mean(inside[:, moving], axis=1)

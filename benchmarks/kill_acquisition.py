@@ -88,7 +88,7 @@ def run_whole(rig: Rig, plan: Plan, folder: Path) -> tuple[dict[str, Block], flo
         begin = time.monotonic()
         run = record_run(open_bench(URL, rig), rig, plan, store, lambda _: None)
         took_s = time.monotonic() - begin
-        return {block.name: block for block in store.iterate(run, rejected=True)}, took_s
+        return {block.name: block for block in store.iterate_blocks(run, rejected=True)}, took_s
 
 
 def kill_once(
@@ -118,7 +118,7 @@ def compare(folder: Path, received: list[BlockAcknowledged], whole: dict[str, Bl
     with Store(folder) as store:
         for run in store.catalogue.runs():
             rows = {row.n: row for row in store.catalogue.blocks(run.id)}
-            kept = {block.order: block for block in store.iterate(run.id, rejected=True)}
+            kept = {block.order: block for block in store.iterate_blocks(run.id, rejected=True)}
             tally.committed += len(kept)
             if run.state not in ("failed", "done"):
                 tally.wrong.append(f"{run.id} is {run.state}")

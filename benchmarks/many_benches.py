@@ -44,7 +44,7 @@ def record(folder: Path, rate_hz: float, until: float, gate: Any) -> list[float]
         end = time.monotonic() + until
         while time.monotonic() < end:
             begun = time.monotonic()
-            recorder.record(samples, BlockNote(f"b{len(took)}", "impact", 0))
+            recorder.record_block(samples, BlockNote(f"b{len(took)}", "impact", 0))
             took.append(time.monotonic() - begun)
     return took
 

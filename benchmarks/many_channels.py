@@ -32,7 +32,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from service_process import ServiceProcess
 
 from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk
-from modallab.core.documents.runs import Stop
+from modallab.core.documents.runs import StopRun
 from modallab.core.errors import BenchTimeoutError, SamplesLostError, UnsupportedError
 from modallab.core.plan import HitAcceptance, ImpactPlan
 from modallab.core.rig import Rig
@@ -260,7 +260,7 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path
     took = time.monotonic() - began_s
     shares = {name: (busy_s(pid) - before[name]) / took for name, pid in pids.items()}
     if lab.run(run).state not in ENDED:
-        lab.command_run(run, Stop(), lease)
+        lab.command_run(run, StopRun(), lease)
     while lab.run(run).state not in ENDED:
         time.sleep(0.1)
     until.set()

@@ -18,7 +18,7 @@ from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
 from modallab.modification.known import KnownStructure
-from modallab.modification.modified import ModesAfter
+from modallab.modification.modified import ModifiedModes
 
 PLAN = ImpactPlan(points=(10, 6, 3), hits=5)
 POINTS = 10
@@ -51,9 +51,9 @@ def rows_of(seed: int) -> list[list[object]]:
     tests = [ml.simulate("link", e, seed=seed, tolerances="usual", plan=PLAN, progress=False) for e in effects]
     bare, changed = (ml.identify(test, "impact", progress=False) for test in tests)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = KnownStructure(bare.modal, rig)
+    known = KnownStructure(bare.modal_model, rig)
     after = known.with_changes([Element(point, **{kind: size})]).modes
-    return beside(kind, seed, size, point, bare.modal, after, changed.modal)
+    return beside(kind, seed, size, point, bare.modal_model, after, changed.modal_model)
 
 
 class Modes(Protocol):
@@ -65,7 +65,7 @@ class Modes(Protocol):
 
 
 def beside(
-    kind: str, seed: int, size: float, point: int, before: ModalModel, after: ModesAfter, measured: Modes
+    kind: str, seed: int, size: float, point: int, before: ModalModel, after: ModifiedModes, measured: Modes
 ) -> list[list[object]]:
     """A row for each predicted mode below half the band, with the nearest one that was measured."""
     found = []

@@ -149,7 +149,7 @@ class Bench:
 
     def identified(self, measured: ml.MeasuredFrf) -> ModalModel:
         """The model of FRFs."""
-        found = ml.identify(measured, progress=False).modal
+        found = ml.identify(measured, progress=False).modal_model
         shares = np.full((found.n_modes, len(self.hits), HITS), 1 / HITS)
         return found.model_copy(update={"outputs": tuple(c.name for c in self.rig.channels[1:]), "hit_shares": shares})
 

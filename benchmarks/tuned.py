@@ -67,9 +67,9 @@ def rows_of(seed: int) -> list[list[object]]:
     """The wanted frequencies of one bench."""
     bare = ml.identify(ml.simulate(seed=seed, tolerances="usual", plan=PLAN, progress=False), "impact", progress=False)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = KnownStructure(bare.modal, rig)
+    known = KnownStructure(bare.modal_model, rig)
     rng = np.random.default_rng(seed)
-    return [row(seed, known, *drawn(rng, bare.modal.frequency_hz)) for _ in range(WANTED)]
+    return [row(seed, known, *drawn(rng, bare.modal_model.frequency_hz)) for _ in range(WANTED)]
 
 
 def row(seed: int, known: KnownStructure, by: By, mode: int, to_hz: float) -> list[object]:
@@ -80,7 +80,7 @@ def row(seed: int, known: KnownStructure, by: By, mode: int, to_hz: float) -> li
     if not best.feasible:
         return [*start, "", "", "", "", "", *limits(seed, by, mode)]
     effect = effect_of(by, best.size, int(str(best.at)))
-    found = ml.identify(measured(seed, effect), "impact", progress=False).modal
+    found = ml.identify(measured(seed, effect), "impact", progress=False).modal_model
     m = int(np.argmin(np.abs(found.frequency_hz - to_hz)))
     return [*start, best.at, best.size, best.sigma, found.frequency_hz[m], found.frequency_sigma_hz[m], "", ""]
 

@@ -31,8 +31,8 @@ def rows_of(seed: int) -> list[list[object]]:
     with_all, bare = (ml.identify(test, "impact", progress=False) for test in tests)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
     away = [*(Element(p, mass=-sensor) for p in range(1, POINTS + 1)), Element(POINTS, mass=-kg, spring=-stiff)]
-    after = KnownStructure(with_all.modal, rig).with_changes(away).modes
-    return beside("unloaded", seed, sensor, POINTS, with_all.modal, after, bare.modal)
+    after = KnownStructure(with_all.modal_model, rig).with_changes(away).modes
+    return beside("unloaded", seed, sensor, POINTS, with_all.modal_model, after, bare.modal_model)
 
 
 if __name__ == "__main__":

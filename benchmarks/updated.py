@@ -219,7 +219,7 @@ def row(seed: int, kind: str, found: UpdatedParameters, name: str, true: float, 
     before, after = (100 * e for e in found.rms_error(found.held_out))
     return [
         seed, kind, name, found.priors[name].value, true, found.numbers[name], low, high, low <= true <= high, moves,
-        name not in found.undetermined, before, after,
+        name not in found.undetermined_parameters, before, after,
     ]  # fmt: skip
 
 

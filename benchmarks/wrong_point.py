@@ -44,7 +44,7 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
             bench.start()
             bench.read(BLOCK, 1.0)
             bench.prompt_hit(struck)
-            samples = conversion.si(bench.read(3 * BLOCK, 1.0).samples)
+            samples = conversion.to_si(bench.read(3 * BLOCK, 1.0).samples)
             bench.stop()
             first = int(np.argmax(samples[0] >= 2.0)) - BEFORE
             answer = response_of_hit(samples[:, first : first + BLOCK], conversion.force, RATE_HZ, BEFORE)

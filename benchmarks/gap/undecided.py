@@ -85,7 +85,9 @@ class Sight:
         slopes = jacobian(self.base, zero, self.nothing)
         self.free, _ = np.linalg.qr(np.vstack([slopes, np.eye(self.base.size)]))
         self.alike = {
-            name for pair in distinguishability_of_data(self.data, points, EFFECTS).alike() for name in pair[:2]
+            name
+            for pair in distinguishability_of_data(self.data, points, EFFECTS).indistinguishable_pairs()
+            for name in pair[:2]
         }
 
     def of(self, effect: Effect) -> np.ndarray:

@@ -76,7 +76,7 @@ def judged(number: int) -> dict[str, object]:
     made, modes, lines, wander = campaign(rng)
     facts = {"campaign": number, "modes": modes.size, "set-ups": len(made), "harmonics": lines.size, "wander": wander}
     try:
-        model = ml.identify(made if len(made) > 1 else made[0], band=(1.0, 45.0), progress=False).modal
+        model = ml.identify(made if len(made) > 1 else made[0], band=(1.0, 45.0), progress=False).modal_model
         found, notes = np.asarray(model.frequency_hz), " ".join(model.notes)
     except ModallabError as error:
         found, notes = np.zeros(0), str(error)

@@ -12,7 +12,7 @@ from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import PlanError, SafetyError
-from modallab.core.events import Event, Notice
+from modallab.core.events import Event, OperatorNotice
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband
@@ -143,7 +143,7 @@ def test_blocks_follow_each_other_without_a_gap_and_say_what_they_are(store: Sto
     facts = store.catalogue.blocks(run)[0].note.facts
     assert facts["drive_rms_v"] == 0.2
     assert 0.2 < float(facts["drive_peak_v"]) < 1.5
-    notice = next(e for e in events if isinstance(e, Notice))
+    notice = next(e for e in events if isinstance(e, OperatorNotice))
     assert "longest burst" in notice.what
     frf = LiveFrfs(store).frf(run)
     assert frf.coherence is not None

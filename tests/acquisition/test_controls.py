@@ -83,7 +83,7 @@ def test_a_hit_is_dropped_and_asked_for_again_or_after_the_run_left_out(shared: 
         reasons = {r.note.name: r.note.reason for r in store.catalogue.blocks(run) if not r.note.accepted}
         assert reasons == {"impact_p10_1": "the cable moved", "impact_p10_3": "looked at later"}
         with pytest.raises(StorageError, match="has no valid block 'impact_p10_3'"):
-            store.drop(run, "impact_p10_3")
+            store.drop_block(run, "impact_p10_3")
 
 
 def test_a_frequency_is_repeated_in_the_run(shared: RigProcess) -> None:

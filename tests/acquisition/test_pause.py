@@ -8,7 +8,7 @@ from scripted_bench import ScriptedBench, Strike, scripted_rig
 from modallab.acquisition.monitor.run_states import DropBlock, OperatorRequests
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.runs import Repeat
+from modallab.core.documents.runs import RepeatFrequency
 from modallab.core.events import Event
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Limits
@@ -199,7 +199,7 @@ def test_a_drop_of_what_is_not_there_changes_nothing(store: Store) -> None:
         def look(self, event: Event) -> None:
             if event.kind == "block":
                 self.requests.add(DropBlock("impact_p99_9"))
-                self.requests.add(Repeat(frequency_hz=20.0))
+                self.requests.add(RepeatFrequency(frequency_hz=20.0))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Wrong)
     assert not [e for e in operator.events if e.kind == "dropped"]
@@ -210,7 +210,7 @@ def test_a_repeated_frequency_comes_next_and_takes_the_place_of_the_first(store:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block" and event.name == "sine_low_027.344":
-                self.requests.add(Repeat(frequency_hz=27.344))
+                self.requests.add(RepeatFrequency(frequency_hz=27.344))
 
     bench = ScriptedBench()
     operator, name = run(bench, SINE, store, Repeats)
@@ -225,7 +225,7 @@ def test_until_the_repeat_is_kept_the_first_counts(store: Store) -> None:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "progress" and event.done == 2:
-                self.requests.add(Repeat(frequency_hz=60.0))
+                self.requests.add(RepeatFrequency(frequency_hz=60.0))
 
     # The request comes after the last look: there is no time for it.
     _, name = run(ScriptedBench(), SINE, store, Repeats)

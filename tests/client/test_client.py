@@ -6,7 +6,7 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.core.documents.runs import Stop, Verdict
+from modallab.core.documents.runs import BlockVerdict, StopRun
 from modallab.core.plan import ImpactPlan
 
 
@@ -34,10 +34,10 @@ def test_a_session_by_the_client_alone(client: Client) -> None:
         blocks = client.blocks(run)
         assert [client.samples(run, block.n).shape[1] for block in blocks] == [block.count for block in blocks]
         assert client.frf(run).averages == (2, 2)
-        rejected = client.judge_block(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
+        rejected = client.judge_block(run, 0, BlockVerdict(accepted=False, reason="beside the point"), lease)
         assert (rejected.accepted, client.frf(run).averages) == (False, (1, 2))
         with pytest.raises(ServiceProblemError, match="what to do") as reported:
-            client.command_run(run, Stop(), lease)
+            client.command_run(run, StopRun(), lease)
         assert reported.value.problem.status == 409
         # The one that waited when the block was judged has given way.
         job, before = client.jobs(campaign, "identify")

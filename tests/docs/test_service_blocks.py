@@ -12,7 +12,7 @@ from pages import HOW_TO, PAGES, ROOT, Fenced, fenced, name, needs_service, to_r
 from twin_campaign import built
 
 from modallab.client import Client
-from modallab.core.documents.runs import RunRequest, Stop
+from modallab.core.documents.runs import RunRequest, StopRun
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.formats import write_export
@@ -74,7 +74,7 @@ class Reader:
         plan = RunRequest(plan=ImpactPlan(points=(10,), hits=8))
         run = begin_run(service, self.variables["CAMPAIGN"], plan, lease.id)
         self.lab.wait_for(lambda e: e.run == run and e.kind == "block")
-        self.lab.controllers.command(RIG, run, Stop(), lease.id)
+        self.lab.controllers.command(RIG, run, StopRun(), lease.id)
         self.lab.wait_for_ended(run)
         self.variables |= {"RUN": run, "LEASE": lease.id}
 

@@ -10,7 +10,7 @@ from modallab.acquisition.procedures.sensors import sensor_remarks
 from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.core.errors import RigError
-from modallab.core.events import Event, Notice
+from modallab.core.events import Event, OperatorNotice
 from modallab.core.hardware import Calibration, Certificate
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
@@ -67,7 +67,7 @@ def test_a_run_reports_what_is_expired_and_rejects_what_contradicts(rig: Rig, tm
         bench = open_bench(SIM, expired)
         record_run(bench, expired, plan, store, events.append)
         bench.close()
-        assert any(isinstance(event, Notice) and "expired on 2020-01-01" in event.what for event in events)
+        assert any(isinstance(event, OperatorNotice) and "expired on 2020-01-01" in event.what for event in events)
         wrong = certified(rig, 3, serial="9999")
         bench = open_bench(SIM, wrong)
         with pytest.raises(RigError, match="9999"):

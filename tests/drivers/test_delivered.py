@@ -10,7 +10,7 @@ from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError, PlanError
-from modallab.core.events import Notice
+from modallab.core.events import OperatorNotice
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 from modallab.signals.tone_fit import fit_at
@@ -70,7 +70,7 @@ def test_native_blocks_have_the_nearest_whole_number_of_samples(server: NiServer
         run = record_run(bench, small, PLAN.model_copy(update={"rate_hz": 2000.0}), store, said.append)
         block = store.blocks(run)[0]
     bench.close()
-    notices = [event.what for event in said if isinstance(event, Notice)]
+    notices = [event.what for event in said if isinstance(event, OperatorNotice)]
     assert "the device samples at 2048 Hz; 2000 Hz was requested" in notices
     assert block.n_samples == round(0.512 * 2048)
     assert block.duration_s == block.n_samples / 2048.0

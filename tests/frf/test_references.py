@@ -73,7 +73,7 @@ def test_circles_hold_the_truth_as_often_as_they_say_however_few_the_blocks(bloc
         force, response, true = spectra(blocks, 2, 2, on_response=0.1, seed=seed)
         found = estimate_frf(force, response)
         assert found.freedom == 2 * (blocks - 2)
-        inside.append(np.abs(found.frf - true) < found.radius(0.95))
+        inside.append(np.abs(found.frf - true) < found.confidence_radius(0.95))
     assert np.mean(inside) == pytest.approx(0.95, abs=0.012)
 
 
@@ -106,4 +106,4 @@ def test_counts_that_cannot_be_are_rejected():
         estimate_frf(force, response[:, :1], "H2")
     for level in (0.0, 1.0, np.nan, 95.0):
         with pytest.raises(DataError, match="probability"):
-            estimate_frf(force, response).radius(level)
+            estimate_frf(force, response).confidence_radius(level)

@@ -43,7 +43,7 @@ def test_two_forces_in_one_long_record_are_distinguished():
     found = segment_spectra(np.vstack([force, response]), RATE, 256)
     estimate = estimate_frf(found.spectra[:, :2], found.spectra[:, 2:], "Hv", averages=found.averages)
     _, true = signal.freqz(b, a, 2 * np.pi * found.frequency_hz / RATE)
-    assert np.mean(np.abs(estimate.frf[0, 0] - true) < 1.5 * estimate.radius(0.95)[0, 0]) > 0.95
+    assert np.mean(np.abs(estimate.frf[0, 0] - true) < 1.5 * estimate.confidence_radius(0.95)[0, 0]) > 0.95
     np.testing.assert_allclose(estimate.frf[0, 1], 0.5, atol=0.01)
 
 

@@ -77,5 +77,5 @@ def test_overtones_are_read_on_a_line_and_between_two(hz: float) -> None:
     second, third, *_ = harmonics_in_record("a", wave[None], 1000.0, hz)
     assert second.hz == pytest.approx(2 * hz)
     assert second.y[0] == pytest.approx(0.2 * np.exp(-1j), abs=1e-9)
-    assert second.clear[0]
+    assert second.is_clear[0]
     assert abs(third.y[0]) < 1e-9

@@ -44,6 +44,6 @@ def test_a_mass_at_the_tip_and_the_sensors_look_alike_and_a_turned_sensor_is_no_
 def test_a_gain_that_may_be_off_hides_a_plain_gain_error_and_a_calibrated_one_shows_it(rig: Rig) -> None:
     reported = Rig.model_validate({**rig.model_dump(exclude_unset=True), "tolerance": {"sensitivity": 0.02}})
     plans = [ImpactPlan(points=(6, 10, 3)), SinePlan()]
-    assert "gain_error" in distinguishability_of_plan(reported, plans).hidden()
-    assert "gain_error" not in distinguishability_of_plan(rig, plans).hidden()
-    assert "added_mass" not in distinguishability_of_plan(reported, plans).hidden()
+    assert "gain_error" in distinguishability_of_plan(reported, plans).hidden_effects()
+    assert "gain_error" not in distinguishability_of_plan(rig, plans).hidden_effects()
+    assert "added_mass" not in distinguishability_of_plan(reported, plans).hidden_effects()

@@ -30,7 +30,7 @@ def test_new_hits_are_recorded_as_those_before_and_nearest_to_the_tip_first(limi
     hits = [plan for o in found for plan in o.plans if isinstance(plan, ImpactPlan)]
     assert [plan.points for plan in hits[:3]] == [(10,), (9,), (8,)]
     assert {plan.rate_hz for plan in hits} == {4000.0}
-    assert found[0].seconds == 100.0
+    assert found[0].duration_s == 100.0
 
 
 def test_few_sensors_are_not_asked_where_a_hit_landed(limited: Rig) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from lab import RIG, TOKEN, Lab
 
 from modallab.service.records.run_queue import RunQueue
-from modallab.service.records.users import Users
+from modallab.service.records.users import UserTable
 
 PHASES = ("examples", "coverage", "fuzzing", "stateful")
 CONFIG = """
@@ -83,7 +83,7 @@ def ask(
 
 
 def _known(lab: Lab) -> str:
-    service, users = lab.service, Users(lab.service.engine)
+    service, users = lab.service, UserTable(lab.service.engine)
     runs = [run for campaign in service.repository.campaigns(None, 50) for run in campaign.runs]
     names = {
         "campaign": [campaign.id for campaign in service.repository.campaigns(None, 50)],

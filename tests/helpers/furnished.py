@@ -11,14 +11,14 @@ from modallab.core.documents.runs import RunRequest
 from modallab.core.documents.users import TokenRequest, UserRequest
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
-from modallab.jobs.job import Kind
-from modallab.jobs.leases import Leases
+from modallab.jobs.job import JobDefinition
+from modallab.jobs.leases import JobLeases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.api.rigs import state_of
 from modallab.service.campaigns.queueing import queue_run
 from modallab.service.campaigns.run_start import begin_run
 from modallab.service.jobs.campaign_jobs import order_job
-from modallab.service.records.users import Users
+from modallab.service.records.users import UserTable
 from modallab.storage.engine import name_database
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
@@ -53,7 +53,7 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
 
 
 def _let_people_in(lab: Lab) -> None:
-    users = Users(lab.service.engine)
+    users = UserTable(lab.service.engine)
     for name in ("Olga", "Otto"):
         users.add(UserRequest(name=name), "Ada")
         users.make_token(name, TokenRequest(), "Ada")
@@ -65,8 +65,8 @@ def _compute(lab: Lab) -> None:
     # Ordered by itself after the run's end.
     while not lab.service.jobs.list().jobs:
         time.sleep(0.02)
-    leases = Leases(lab.service.engine, "furnisher")
-    for taken in leases.take(known, 10):
-        kind: Kind = known[taken.job.kind]
+    leases = JobLeases(lab.service.engine, "furnisher")
+    for taken in leases.lease_jobs(known, 10):
+        kind: JobDefinition = known[taken.job.kind]
         computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda *_: None)
-        assert leases.done(taken, kind.keep(taken.attempt, computed))
+        assert leases.complete(taken, kind.keep(taken.attempt_name, computed))

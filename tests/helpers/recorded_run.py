@@ -22,6 +22,6 @@ def record_run(store: Store, blocks: int) -> str:
             DeliveredSampling(2000.0, 2000.0, 2000.0, np.dtype("int16"), np.array([1e-4, 2e-4]), ("V", "V")), SAMPLES
         )
         for n, samples in enumerate(noise):
-            recorder.record(samples, BlockNote(f"b{n}", "impact", SAMPLES * n, 1))
-        recorder.enter("done")
+            recorder.record_block(samples, BlockNote(f"b{n}", "impact", SAMPLES * n, 1))
+        recorder.enter_state("done")
         return recorder.run

@@ -92,7 +92,7 @@ def test_a_set_up_that_is_off_is_named() -> None:
     """Five set-ups; in one the structure is 3 % stiffer."""
     measured = [ml.responses(records(n, p), RATE_HZ * (1.02 if n == 3 else 1), points=[k + 1 for k in p])
                 for n, p in enumerate(([0, 1, 2], [0, 1, 3], [0, 1, 2], [0, 1, 3], [0, 1, 2]))]  # fmt: skip
-    found = ml.identify(measured, band=(4.0, 25.0), progress=False).modal
+    found = ml.identify(measured, band=(4.0, 25.0), progress=False).modal_model
     assert any(note.startswith("set-up 4 is off") for note in found.notes)
     assert np.all(found.frequency_sigma_hz > 2e-3 * found.frequency_hz)
 
@@ -124,7 +124,7 @@ def test_recordings_are_joined_in_python_and_by_the_command(tmp_path) -> None:
         ml.responses(records(n, p), RATE_HZ, points=[k + 1 for k in p]) for n, p in ((1, [0, 1, 2]), (2, [3, 0, 1]))
     ]
     model = ml.identify(measured, band=(4.0, 25.0), progress=False)
-    found = model.modal
+    found = model.modal_model
     assert found.output_points == (1, 2, 3, 4)
     np.testing.assert_allclose(found.frequency_hz, [7.0, 11.0], rtol=5e-3)
     np.testing.assert_allclose(found.operating_shapes, SHAPE / np.array([[1.0], [-1.0]]), atol=0.03)

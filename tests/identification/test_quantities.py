@@ -41,7 +41,7 @@ def test_the_same_modes_and_sigmas_come_from_every_quantity(even_in: str, band: 
     found = []
     for quantity, power in POWER.items():
         frf = ml.frf(F, values * (1j * W) ** power, inputs=[1], outputs=[1, 2, 3, 4, 5, 6], quantity=quantity)  # type: ignore[arg-type]
-        found.append(ml.identify(frf, band=band, progress=False).modal)
+        found.append(ml.identify(frf, band=band, progress=False).modal_model)
     for model in found:
         np.testing.assert_allclose(model.frequency_hz, F0, rtol=1e-3)
         sigma = found[0].frequency_sigma_hz

@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from modallab.core.errors import DataError
-from modallab.jobs import ComputationResult, Kind, Notify
+from modallab.jobs import ComputationResult, JobDefinition, ProgressCallback
 
 
-def square(payload: Any, notify: Notify) -> ComputationResult:
+def square(payload: Any, notify: ProgressCallback) -> ComputationResult:
     notify(0.5)
     return ComputationResult(
         {"square": payload["x"] ** 2, "process": os.getpid()}, {"x.txt": str(payload["x"]).encode()}
     )
 
 
-def wait(payload: Any, notify: Notify) -> ComputationResult:
+def wait(payload: Any, notify: ProgressCallback) -> ComputationResult:
     """Works for a while in steps, notifying; then says which process it was."""
     steps = payload["steps"]
     for step in range(steps):
@@ -28,7 +28,7 @@ def wait(payload: Any, notify: Notify) -> ComputationResult:
     return ComputationResult({"x": payload["x"], "process": os.getpid()})
 
 
-def gate(payload: Any, notify: Notify) -> ComputationResult:
+def gate(payload: Any, notify: ProgressCallback) -> ComputationResult:
     """Works until a file appears, however fast or slow the machine is."""
     while not Path(payload["file"]).exists():
         notify(0.5)
@@ -36,7 +36,7 @@ def gate(payload: Any, notify: Notify) -> ComputationResult:
     return ComputationResult({"x": payload["x"], "process": os.getpid()})
 
 
-def spin(payload: Any, _notify: Notify) -> ComputationResult:
+def spin(payload: Any, _notify: ProgressCallback) -> ComputationResult:
     """Never looks out for anything."""
     deadline = time.monotonic() + payload["seconds"]
     total = 0
@@ -45,19 +45,19 @@ def spin(payload: Any, _notify: Notify) -> ComputationResult:
     return ComputationResult(total)
 
 
-def reject(payload: Any, _notify: Notify) -> ComputationResult:
+def reject(payload: Any, _notify: ProgressCallback) -> ComputationResult:
     raise DataError(f"x is {payload['x']}", where="x", remedy="give another x")
 
 
-def break_(_payload: Any, _notify: Notify) -> ComputationResult:
+def break_(_payload: Any, _notify: ProgressCallback) -> ComputationResult:
     raise ZeroDivisionError("by nothing")
 
 
-def die(_payload: Any, _notify: Notify) -> ComputationResult:
+def die(_payload: Any, _notify: ProgressCallback) -> ComputationResult:
     os._exit(3)
 
 
-def bring_in(payload: Any, notify: Notify) -> ComputationResult:
+def bring_in(payload: Any, notify: ProgressCallback) -> ComputationResult:
     """Imports a package that is not there yet."""
     notify(0.5)
     sys.path.insert(0, payload["folder"])
@@ -68,7 +68,7 @@ def _load(parameters: dict[str, Any], inputs: tuple[str, ...]) -> dict[str, Any]
     return parameters | {"inputs": inputs}
 
 
-def kinds(folder: Path, **limits: float) -> list[Kind]:
+def kinds(folder: Path, **limits: float) -> list[JobDefinition]:
     def keep(name: str, computed: ComputationResult) -> Any:
         for file, content in computed.blobs.items():
             (folder / f"{name}-{file}").write_bytes(content)
@@ -76,9 +76,9 @@ def kinds(folder: Path, **limits: float) -> list[Kind]:
 
     work = {"square": square, "wait": wait, "gate": gate, "spin": spin, "reject": reject, "break": break_, "die": die}
     work["import"] = bring_in
-    return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
+    return [JobDefinition(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
 
 
-def secret_kind() -> Kind:
+def secret_kind() -> JobDefinition:
     """A kind whose payload cannot be sent anywhere."""
-    return Kind("secret", lambda _, __: threading.Lock(), square, lambda _, computed: computed.result)
+    return JobDefinition("secret", lambda _, __: threading.Lock(), square, lambda _, computed: computed.result)

@@ -25,7 +25,7 @@ from waiting import ended
 from modallab.cli.parser import build_parser
 from modallab.jobs import Jobs
 from modallab.jobs.cluster import TlsFiles
-from modallab.jobs.runner import Runner
+from modallab.jobs.runner import JobRunner
 
 ROOT = Path(__file__).parents[2]
 DOCKER = ROOT / "docker"
@@ -274,7 +274,7 @@ def test_the_cluster_of_the_file_computes_a_job_over_tls(
         )
         monkeypatch.setattr(TlsFiles, "configured", classmethod(lambda cls: cls(*map(Path, files))))
         job = jobs.submit("square", {"x": 9}, [])
-        with Runner(jobs, kinds(tmp_path), command[command.index("--scheduler") + 1]):
+        with JobRunner(jobs, kinds(tmp_path), command[command.index("--scheduler") + 1]):
             (done,) = ended(jobs, job)
     assert (done.state, done.result["square"]) == ("done", 81)
 

@@ -9,7 +9,7 @@ from sqlalchemy import Engine, text
 
 from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs import Jobs
-from modallab.jobs.leases import MAX_ATTEMPTS, LeasedJob, Leases
+from modallab.jobs.leases import MAX_ATTEMPTS, JobLeases, LeasedJob
 from modallab.jobs.table import make_table
 from modallab.storage.engine import open_engine
 
@@ -22,17 +22,17 @@ def engine(each_engine: Engine) -> Engine:
 
 
 def _take(engine: Engine, owner: str = "one") -> LeasedJob:
-    (taken,) = Leases(engine, owner).take(KINDS, 1)
+    (taken,) = JobLeases(engine, owner).lease_jobs(KINDS, 1)
     return taken
 
 
 def _take_over(engine: Engine, owner: str) -> list[LeasedJob]:
     """What one takes who hears no sign of the holders for a while: five looks count at most one lease."""
-    leases = Leases(engine, owner, lease_s=0.01)
+    leases = JobLeases(engine, owner, lease_s=0.01)
     for _ in range(6):
-        assert leases.take(KINDS, 1) == []
+        assert leases.lease_jobs(KINDS, 1) == []
         time.sleep(0.004)
-    return leases.take(KINDS, 1)
+    return leases.lease_jobs(KINDS, 1)
 
 
 def test_the_same_work_is_one_job_until_it_fails(jobs: Jobs, engine: Engine) -> None:
@@ -43,17 +43,17 @@ def test_the_same_work_is_one_job_until_it_fails(jobs: Jobs, engine: Engine) -> 
     others.append(("identify", {"a": 1, "b": [2]}, ["run", "other"]))
     assert len({first.id, *(jobs.submit(*other).id for other in others)}) == 4
 
-    leases = Leases(engine, "one")
-    (taken,) = leases.take(("identify", "diagnose"), 1)
+    leases = JobLeases(engine, "one")
+    (taken,) = leases.lease_jobs(("identify", "diagnose"), 1)
     assert jobs.submit("identify", {"a": 1, "b": [2]}, ["run"]).state == "running"
-    assert leases.done(taken, {"modes": 3})
+    assert leases.complete(taken, {"modes": 3})
     again = jobs.submit("identify", {"a": 1, "b": [2]}, ["run"])
     assert (again.id, again.state, again.result) == (first.id, "done", {"modes": 3})
 
 
 def test_what_failed_or_was_cancelled_may_be_ordered_again(jobs: Jobs, engine: Engine) -> None:
     first = jobs.submit("identify", {}, [])
-    Leases(engine, "one").failed(_take(engine), "no modes")
+    JobLeases(engine, "one").fail(_take(engine), "no modes")
     second = jobs.submit("identify", {}, [])
     assert jobs.cancel(second.id).state == "cancelled"
     third = jobs.submit("identify", {}, [])
@@ -80,12 +80,12 @@ def test_many_who_order_the_same_at_once_get_one_job(jobs: Jobs) -> None:
 
 def test_a_result_that_is_no_more_requested_is_not_taken(jobs: Jobs, engine: Engine) -> None:
     job = jobs.submit("identify", {}, [])
-    leases, taken = Leases(engine, "one"), _take(engine)
+    leases, taken = JobLeases(engine, "one"), _take(engine)
     assert leases.renew({job.id: (taken.fence, 0.25, "fitting")}) == set()
     assert jobs.get(job.id).progress == 0.25
     jobs.cancel(job.id)
     assert leases.renew({job.id: (taken.fence, 0.5, "")}) == {job.id}
-    assert not leases.done(taken, 1)
+    assert not leases.complete(taken, 1)
     assert not leases.give_back(taken, "", counts=True)
     assert (jobs.get(job.id).state, jobs.get(job.id).result) == ("cancelled", None)
     assert jobs.cancel(job.id).state == "cancelled"
@@ -96,11 +96,11 @@ def test_the_jobs_of_a_dead_runner_are_taken_by_another_and_the_fence_keeps_the_
 ) -> None:
     job = jobs.submit("identify", {}, [])
     dead = _take(engine, "dead")
-    assert Leases(engine, "heir").take(KINDS, 1) == []
+    assert JobLeases(engine, "heir").lease_jobs(KINDS, 1) == []
     (heir,) = _take_over(engine, "heir")
-    assert (heir.fence, heir.job.attempts, heir.attempt != dead.attempt) == (2, 2, True)
-    assert not Leases(engine, "dead").done(dead, "late")
-    assert Leases(engine, "heir").done(heir, "good")
+    assert (heir.fence, heir.job.attempts, heir.attempt_name != dead.attempt_name) == (2, 2, True)
+    assert not JobLeases(engine, "dead").complete(dead, "late")
+    assert JobLeases(engine, "heir").complete(heir, "good")
     assert jobs.get(job.id).result == "good"
 
 
@@ -115,21 +115,21 @@ def test_attempts_run_out(jobs: Jobs, engine: Engine) -> None:
 
     given_back = jobs.submit("identify", {"x": 2}, [])
     for _ in range(MAX_ATTEMPTS):
-        Leases(engine, "one").give_back(_take(engine), "a worker was lost", counts=True)
+        JobLeases(engine, "one").give_back(_take(engine), "a worker was lost", counts=True)
     assert "because a worker was lost" in str(jobs.get(given_back.id).error)
 
 
 def test_an_orderly_stop_is_no_attempt(jobs: Jobs, engine: Engine) -> None:
     job = jobs.submit("identify", {}, [])
     for _ in range(2 * MAX_ATTEMPTS):
-        Leases(engine, "one").give_back(_take(engine), "stopped", counts=False)
+        JobLeases(engine, "one").give_back(_take(engine), "stopped", counts=False)
     assert (jobs.get(job.id).state, jobs.get(job.id).attempts) == ("queued", 0)
 
 
 def test_the_oldest_is_taken_first_and_what_nobody_knows_fails(jobs: Jobs, engine: Engine) -> None:
     unknown = jobs.submit("dance", {}, [])
     ids = [jobs.submit("identify", {"x": x}, []).id for x in range(3)]
-    taken = Leases(engine, "one").take(KINDS, 3)
+    taken = JobLeases(engine, "one").lease_jobs(KINDS, 3)
     assert [t.job.id for t in taken] == ids[:2]
     assert jobs.get(unknown.id).error == "no kind 'dance' is registered; there are identify"
 
@@ -174,9 +174,9 @@ def test_the_jobs_of_a_runner_that_is_known_to_be_dead_are_free_at_once(jobs: Jo
     again = _take(engine, "next")
     assert (again.job.id, again.job.attempts) == (first.id, 2)
     # What the dead one might still bring is another's job now, also under its own name.
-    assert not Leases(engine, "dead").done(held, {})
-    assert Leases(engine, "next").done(again, {"modes": 3})
-    assert Leases(engine, "alive").done(other, {})
+    assert not JobLeases(engine, "dead").complete(held, {})
+    assert JobLeases(engine, "next").complete(again, {"modes": 3})
+    assert JobLeases(engine, "alive").complete(other, {})
     assert jobs.release("dead") == 0
 
 
@@ -186,7 +186,7 @@ def test_a_job_whose_runners_die_again_and_again_is_given_up(jobs: Jobs, engine:
         assert jobs.get(job.id).attempts == n
         _take(engine)
         assert jobs.release("one") == 1
-    assert Leases(engine, "one").take(KINDS, 1) == []
+    assert JobLeases(engine, "one").lease_jobs(KINDS, 1) == []
     assert "given up after 3 attempts, the last one because its runner ended" in str(jobs.get(job.id).error)
 
 
@@ -195,7 +195,7 @@ def test_what_somebody_waits_for_goes_before_what_is_done_by_itself(jobs: Jobs, 
     ordered = jobs.submit("report", {}, ["run"])
     # Who orders what waits already waits for it, too.
     assert jobs.submit("identify", {"n": 2}, ["run"]).id == automatic[2].id
-    taken = Leases(engine, "one").take(("identify", "report"), 10)
+    taken = JobLeases(engine, "one").lease_jobs(("identify", "report"), 10)
     assert [one.job.id for one in taken] == [automatic[2].id, ordered.id, automatic[0].id, automatic[1].id]
 
 
@@ -212,7 +212,7 @@ def test_a_newer_automatic_job_makes_those_idle_that_do_less(jobs: Jobs) -> None
 
 def test_lists_come_without_results(jobs: Jobs, engine: Engine) -> None:
     job = jobs.submit("identify", {}, ["run"])
-    assert Leases(engine, "one").done(_take(engine), {"modes": 3})
+    assert JobLeases(engine, "one").complete(_take(engine), {"modes": 3})
     assert [(one.id, one.state, one.result) for one in jobs.list().jobs] == [(job.id, "done", None)]
     assert jobs.get(job.id).result == {"modes": 3}
 
@@ -224,4 +224,4 @@ def test_a_table_of_an_older_program_gets_what_it_lacks(tmp_path: Path) -> None:
         connection.execute(text("ALTER TABLE jobs DROP COLUMN priority"))
     jobs = Jobs(engine)
     assert jobs.submit("identify", {}, ["run"]).state == "queued"
-    assert len(Leases(engine, "one").take(KINDS, 1)) == 1
+    assert len(JobLeases(engine, "one").lease_jobs(KINDS, 1)) == 1

@@ -15,7 +15,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import IdentificationOptions
 from modallab.jobs import Jobs
-from modallab.jobs.runner import Runner
+from modallab.jobs.runner import JobRunner
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.job_kinds import kinds
 from modallab.pipelines.parameters import DiagnoseParameters, parse_parameters
@@ -43,7 +43,7 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     here = identify_campaign(
         _campaign(("hammer_5hits",)), IdentificationOptions(method="peak", band_hz=(500.0, 1500.0))
     )
-    with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
+    with JobRunner(jobs, kinds(_campaign, tmp_path), workers=1):
         inputs = ["hammer_5hits"]
         identified, reported, wrong, absent, bad, estimated = ended(
             jobs,
@@ -96,7 +96,7 @@ def test_parameters_are_checked_before_a_job_is_ordered() -> None:
 
 @pytest.mark.thorough("diagnoses as a job")
 def test_runs_from_before_stand_for_the_simulation(jobs: Jobs, tmp_path: Path) -> None:
-    with Runner(jobs, kinds(_mass_later, tmp_path), workers=1):
+    with JobRunner(jobs, kinds(_mass_later, tmp_path), workers=1):
         found, alone = ended(
             jobs,
             jobs.submit("diagnose", {"reference": ["before"]}, ["before", "today"]),

@@ -16,7 +16,7 @@ from waiting import ended, until
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
 from modallab.jobs.cluster import TlsFiles
-from modallab.jobs.runner import Runner
+from modallab.jobs.runner import JobRunner
 
 pytestmark = pytest.mark.thorough("starts schedulers and workers, and kills them")
 
@@ -31,7 +31,7 @@ def lab(tmp_path: Path) -> Iterator[Machines]:
 def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines, tmp_path: Path) -> None:
     lab.worker()
     victim = lab.worker()
-    with Runner(jobs, kinds(tmp_path), lab.address):
+    with JobRunner(jobs, kinds(tmp_path), lab.address):
         both = ended(jobs, *(jobs.submit("wait", {"x": x, "steps": 40}, []) for x in range(4)))
         assert len({job.result["process"] for job in both}) == 2
         ordered = [jobs.submit("wait", {"x": x, "steps": 75}, []) for x in range(6)]
@@ -45,7 +45,7 @@ def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines,
 
 def test_a_killed_scheduler_costs_time_and_no_job(jobs: Jobs, lab: Machines, tmp_path: Path) -> None:
     lab.worker()
-    with Runner(jobs, kinds(tmp_path), lab.address) as runner:
+    with JobRunner(jobs, kinds(tmp_path), lab.address) as runner:
         opened = tmp_path / "opened"
         ordered = [jobs.submit("gate", {"x": x, "file": str(opened)}, []) for x in range(3)]
         until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
@@ -75,7 +75,7 @@ def test_the_jobs_of_a_killed_runner_are_taken_by_another(
         doomed.wait(10)
     assert jobs.get(job.id).state == "running"
     (tmp_path / "opened").touch()
-    with Runner(jobs, kinds(tmp_path), lab.address, lease_s=2.0):
+    with JobRunner(jobs, kinds(tmp_path), lab.address, lease_s=2.0):
         (done,) = ended(jobs, job)
     assert (done.state, done.attempts, done.result["x"]) == ("done", 2, 5)
 
@@ -88,12 +88,12 @@ def test_machines_with_certificates_of_one_authority_talk_and_others_do_not(jobs
         lab.worker()
         assert lab.address.startswith("tls://")
         with pytest.raises(JobError, match="needs certificates"):
-            Runner(jobs, kinds(tmp_path), lab.address)
+            JobRunner(jobs, kinds(tmp_path), lab.address)
         job = jobs.submit("square", {"x": 12}, [])
-        with Runner(jobs, kinds(tmp_path), lab.address, tls=foreign) as outsider:
+        with JobRunner(jobs, kinds(tmp_path), lab.address, tls=foreign) as outsider:
             until(lambda: bool(outsider.trouble))
         assert jobs.get(job.id).state == "queued"
-        with Runner(jobs, kinds(tmp_path), lab.address, tls=good):
+        with JobRunner(jobs, kinds(tmp_path), lab.address, tls=good):
             (done,) = ended(jobs, job)
     assert done.result["square"] == 144
 

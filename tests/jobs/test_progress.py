@@ -9,7 +9,7 @@ from modallab.core.block import Campaign
 from modallab.core.progress import count_progress, part_of_progress, report_progress, report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.jobs import Kind
+from modallab.jobs import JobDefinition
 from modallab.pipelines.job_kinds import kinds
 
 DATA = Path(__file__).parents[1] / "data"
@@ -44,7 +44,7 @@ def hits(_inputs: tuple[str, ...]) -> Campaign:
     return read_campaign(DATA / "hammer_5hits.h5", read_rig(DATA / "hammer_rig.yaml"))
 
 
-def computed(kind: Kind, campaign: Campaign, parameters: dict[str, object]) -> Said:
+def computed(kind: JobDefinition, campaign: Campaign, parameters: dict[str, object]) -> Said:
     said: Said = []
     payload = campaign, kind.load(parameters, ("x",))[1]  # type: ignore[arg-type]
     kind.compute(payload, lambda share, stage="": listen(said, share, stage))

@@ -14,18 +14,18 @@ from waiting import ended, until
 
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.cluster import Cluster, SchedulerLostError, TlsFiles, check_address
-from modallab.jobs.runner import Runner
+from modallab.jobs.cluster import DaskCluster, SchedulerLostError, TlsFiles, check_address
+from modallab.jobs.runner import JobRunner
 
 
 @pytest.fixture
-def runner(jobs: Jobs, tmp_path: Path) -> Iterator[Runner]:
-    with Runner(jobs, [*kinds(tmp_path, spin=0.5), secret_kind()], workers=1) as started:
+def runner(jobs: Jobs, tmp_path: Path) -> Iterator[JobRunner]:
+    with JobRunner(jobs, [*kinds(tmp_path, spin=0.5), secret_kind()], workers=1) as started:
         yield started
 
 
 def test_jobs_are_computed_by_another_process_and_their_results_kept(
-    jobs: Jobs, runner: Runner, tmp_path: Path
+    jobs: Jobs, runner: JobRunner, tmp_path: Path
 ) -> None:
     ordered = [jobs.submit("square", {"x": x}, ["run"]) for x in range(5)]
     done = ended(jobs, *ordered)
@@ -48,7 +48,7 @@ def test_jobs_are_computed_by_another_process_and_their_results_kept(
     assert "no kind 'no such' is registered; there are break, die," in str(unknown.error)
 
 
-def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: Runner) -> None:
+def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: JobRunner) -> None:
     job = jobs.submit("wait", {"x": 1, "steps": 10_000}, [])
     until(lambda: jobs.get(job.id).progress > 0)
     assert 0 < jobs.get(job.id).progress < 1
@@ -61,7 +61,9 @@ def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: 
 
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
-def test_a_job_cancelled_while_it_imports_leaves_the_package_whole(jobs: Jobs, runner: Runner, tmp_path: Path) -> None:
+def test_a_job_cancelled_while_it_imports_leaves_the_package_whole(
+    jobs: Jobs, runner: JobRunner, tmp_path: Path
+) -> None:
     package, begun = tmp_path / "slow_package", tmp_path / "begun"
     package.mkdir()
     (package / "part.py").write_text("WHOLE = True\n")
@@ -77,7 +79,7 @@ def test_a_job_cancelled_while_it_imports_leaves_the_package_whole(jobs: Jobs, r
     assert (after.state, after.result) == ("done", True)
 
 
-def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: Jobs, runner: Runner) -> None:
+def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: Jobs, runner: JobRunner) -> None:
     long, after = ended(jobs, jobs.submit("spin", {"seconds": 600}, []), jobs.submit("square", {"x": 2}, []))
     assert (long.state, long.attempts) == ("failed", 1)
     assert "exceeded 0.5 s" in str(long.error)
@@ -85,7 +87,7 @@ def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: J
 
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
-def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) -> None:
+def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: JobRunner) -> None:
     deadly, good = ended(jobs, jobs.submit("die", {}, []), jobs.submit("square", {"x": 4}, []))
     assert (deadly.state, deadly.attempts) == ("failed", 3)
     assert "given up after 3 attempts, the last one because a worker was lost" in str(deadly.error)
@@ -94,7 +96,7 @@ def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) ->
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_path: Path) -> None:
-    with Runner(jobs, kinds(tmp_path), workers=1) as runner:
+    with JobRunner(jobs, kinds(tmp_path), workers=1) as runner:
         opened = tmp_path / "opened"
         ordered = [jobs.submit("gate", {"x": x, "file": str(opened)}, []) for x in range(2)]
         until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
@@ -113,11 +115,11 @@ def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_p
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_who_asks_a_scheduler_that_dies_meanwhile_hears_of_it_at_once() -> None:
-    with Cluster.connect(None, None, 0) as cluster, ThreadPoolExecutor(1) as pool:
+    with DaskCluster.connect(None, None, 0) as cluster, ThreadPoolExecutor(1) as pool:
         process = psutil.Process(cluster.processes["scheduler"])
-        assert (cluster.threads, cluster.busy) == (0, frozenset())
+        assert (cluster.thread_count, cluster.running_tasks) == (0, frozenset())
         process.suspend()
-        asked = pool.submit(lambda: cluster.threads)
+        asked = pool.submit(lambda: cluster.thread_count)
         with pytest.raises(NotYetError):
             asked.result(0.3)
         process.kill()
@@ -125,24 +127,24 @@ def test_who_asks_a_scheduler_that_dies_meanwhile_hears_of_it_at_once() -> None:
         with pytest.raises((SchedulerLostError, CommClosedError)):
             asked.result()
         # The connection may break a moment before the process is seen to be gone.
-        until(lambda: not cluster.alive, 5.0)
+        until(lambda: not cluster.is_alive, 5.0)
 
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_frozen_scheduler_is_given_up_and_ended() -> None:
-    with Cluster.connect(None, None, 0) as cluster:
+    with DaskCluster.connect(None, None, 0) as cluster:
         process = psutil.Process(cluster.processes["scheduler"])
         process.suspend()
         cluster.patience_s = 0.3
         with pytest.raises(SchedulerLostError, match=r"not answered for 0\.3 s"):
-            _ = cluster.threads
+            _ = cluster.thread_count
         assert not process.is_running()
-        assert not cluster.alive
+        assert not cluster.is_alive
 
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: Path) -> None:
-    with Runner(jobs, kinds(tmp_path), workers=1):
+    with JobRunner(jobs, kinds(tmp_path), workers=1):
         job = jobs.submit("wait", {"x": 1, "steps": 10_000}, [])
         until(lambda: jobs.get(job.id).progress > 0)
     left = jobs.get(job.id)
@@ -152,9 +154,9 @@ def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: P
 def test_tasks_go_to_another_machine_by_tls_only(jobs: Jobs) -> None:
     for address in ("tcp://192.0.2.7:8786", "tcp://scheduler:8786"):
         with pytest.raises(JobError, match="neither encryption nor authentication"):
-            Runner(jobs, [], address)
+            JobRunner(jobs, [], address)
     with pytest.raises(JobError, match="needs certificates"):
-        Runner(jobs, [], "tls://scheduler:8786")
+        JobRunner(jobs, [], "tls://scheduler:8786")
     with pytest.raises(JobError, match="no address"):
         check_address("scheduler", None)
     tls = TlsFiles(Path("ca.pem"), Path("cert.pem"), Path("key.pem"))

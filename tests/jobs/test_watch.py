@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import Engine, inspect, text
 
 from modallab.jobs import Jobs
-from modallab.jobs.leases import LeasedJob, Leases, MarkWatch
+from modallab.jobs.leases import JobLeases, LeasedJob, MarkWatch
 
 
 class Clock:
@@ -68,15 +68,15 @@ def test_a_job_that_comes_back_is_a_new_one(clock: Clock) -> None:
 
 def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> None:
     job = Jobs(engine).submit("identify", {}, [])
-    (dead,) = Leases(engine, "dead").take(["identify"], 1)
-    heirs = [Leases(engine, name, lease_s=0.001) for name in ("one", "two")]
+    (dead,) = JobLeases(engine, "dead").lease_jobs(["identify"], 1)
+    heirs = [JobLeases(engine, name, lease_s=0.001) for name in ("one", "two")]
     found: list[LeasedJob] = []
     barrier = threading.Barrier(len(heirs), timeout=60)
 
-    def take(heir: Leases) -> None:
+    def take(heir: JobLeases) -> None:
         for _ in range(12):
             barrier.wait()
-            found.extend(heir.take(["identify"], 1))
+            found.extend(heir.lease_jobs(["identify"], 1))
             if found:
                 barrier.abort()
 
@@ -86,23 +86,23 @@ def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> N
     for thread in threads:
         thread.join()
     assert [(taken.job.id, taken.fence) for taken in found] == [(job.id, 2)]
-    assert not Leases(engine, "dead").done(dead, None)
+    assert not JobLeases(engine, "dead").complete(dead, None)
 
 
-def suppressed(take: Callable[[Leases], None], heir: Leases) -> None:
+def suppressed(take: Callable[[JobLeases], None], heir: JobLeases) -> None:
     with suppress(threading.BrokenBarrierError):
         take(heir)
 
 
 def test_a_sign_between_the_look_and_the_taking_keeps_the_job(engine: Engine) -> None:
     Jobs(engine).submit("identify", {}, [])
-    holder = Leases(engine, "holder")
-    (taken,) = holder.take(["identify"], 1)
-    heir = Leases(engine, "heir", lease_s=0.01)
+    holder = JobLeases(engine, "holder")
+    (taken,) = holder.lease_jobs(["identify"], 1)
+    heir = JobLeases(engine, "heir", lease_s=0.01)
     for _ in range(40):
         assert holder.renew({taken.job.id: (taken.fence, 0.5, "")}) == set()
-        assert heir.take(["identify"], 1) == []
-    assert holder.done(taken, "mine")
+        assert heir.lease_jobs(["identify"], 1) == []
+    assert holder.complete(taken, "mine")
 
 
 def test_a_table_of_the_version_before_is_brought_up_to_date(engine: Engine) -> None:
@@ -115,6 +115,6 @@ def test_a_table_of_the_version_before_is_brought_up_to_date(engine: Engine) -> 
     again = Jobs(engine)
     assert "beat" in {column["name"] for column in inspect(engine).get_columns("jobs")}
     assert (again.get(job.id).parameters, again.get(job.id).revision) == ({"x": 1}, "")
-    heir = Leases(engine, "heir", lease_s=1e-9)
-    taken = next(found for _ in range(20) if (found := heir.take(["identify"], 1)))
+    heir = JobLeases(engine, "heir", lease_s=1e-9)
+    taken = next(found for _ in range(20) if (found := heir.lease_jobs(["identify"], 1)))
     assert taken[0].fence == 5

@@ -19,5 +19,5 @@ def until(said: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
 
 def ended(jobs: Jobs, *listed: Job, patience_s: float = PATIENCE_S) -> list[Job]:
     """The jobs, once all have ended."""
-    until(lambda: all(jobs.get(job.id).ended for job in listed), patience_s)
+    until(lambda: all(jobs.get(job.id).has_ended for job in listed), patience_s)
     return [jobs.get(job.id) for job in listed]

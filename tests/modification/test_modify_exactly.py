@@ -59,7 +59,7 @@ def test_elements_change_poles_and_frfs_as_their_matrices_say(changes: list[Atta
     expected = truth.poles()
     np.testing.assert_allclose(after.modes.frequency_hz, np.abs(expected) / (2 * np.pi), rtol=1e-9)
     np.testing.assert_allclose(after.modes.damping_ratio, -expected.real / np.abs(expected), rtol=1e-6)
-    np.testing.assert_allclose(after.attached.receptance(S), truth.receptance(S), rtol=1e-8, atol=1e-16)
+    np.testing.assert_allclose(after.structure_with_parts.receptance(S), truth.receptance(S), rtol=1e-8, atol=1e-16)
 
 
 def test_shapes_after_a_change_give_its_frfs_again() -> None:
@@ -113,7 +113,7 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
     np.testing.assert_allclose(both.modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-8)
     again = both.with_changes([CouplingToStructure(other, [(4, 1)], joint, sign=-1)]) if joint is None else None
     if again is not None:
-        np.testing.assert_allclose(both.attached.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
+        np.testing.assert_allclose(both.structure_with_parts.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
 
 
 @pytest.mark.parametrize("gain", [1.0, 1.01])

@@ -126,6 +126,6 @@ def test_the_deviation_of_a_response_is_that_of_what_is_uncertain() -> None:
             for side in (1, -1)
         )
         slope = (moved(higher.with_changes(changes)) - moved(lower.with_changes(changes))) / 2
-        sigma = KnownStructure(unsure).with_changes(changes).deviation(moved)
+        sigma = KnownStructure(unsure).with_changes(changes).standard_deviation(moved)
         np.testing.assert_allclose(sigma, np.abs(slope), rtol=0, atol=0.3 * np.abs(slope).max())
         assert np.linalg.norm(sigma) == pytest.approx(np.linalg.norm(slope), rel=0.25)

@@ -141,7 +141,7 @@ def test_nodes_between_points_lie_where_the_shape_is_zero() -> None:
 def test_the_best_point_is_at_no_mode_s_node_and_the_words_name_the_points_that_miss_one() -> None:
     model, known = string()
     found = places_of_modes(known.structure, known.samples, model, known.rig)
-    point, least = found.best
+    point, least = found.best_freedom
     assert least == pytest.approx(max(found.motion.min(axis=0)))
     assert f"Hit or mount a sensor at point {point[0]}" in node_rows(found).caption
     assert "point 5 misses mode 2" in node_rows(found).caption

@@ -29,7 +29,7 @@ def recorded() -> tuple[bench.Modes, np.ndarray, np.ndarray]:
 def test_two_shakers_at_once_give_the_modes_and_both_columns_of_their_constants() -> None:
     system, forces, answers = recorded()
     measured = ml.driven(forces, answers, RATE / 4, SHAKERS, band=BAND)
-    model = ml.identify(measured).modal
+    model = ml.identify(measured).modal_model
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz[:2], rtol=1e-4)
     np.testing.assert_allclose(model.damping_ratio, system.zeta[:2], rtol=0.02)
     expected = system.phi[:2, :, None] * system.phi[:2, None, [p - 1 for p in SHAKERS]]

@@ -39,7 +39,7 @@ def recorded(small: Path) -> ml.Model:
 
 def test_arrays_give_the_modes_within_their_sigmas(model: ml.Model, twin: ml.DiagnosedTwin) -> None:
     true = ml_modes(twin)
-    off = np.abs(model.modal.frequency_hz - true) / model.modal.frequency_sigma_hz
+    off = np.abs(model.modal_model.frequency_hz - true) / model.modal_model.frequency_sigma_hz
     assert len(model) == 3
     assert np.all(off < 5)
 
@@ -80,7 +80,7 @@ def test_a_model_is_that_of_another_where_the_shapes_are_alike(model: ml.Model, 
 def test_a_model_becomes_a_table_and_labelled_arrays(model: ml.Model) -> None:
     table, arrays = model.to_pandas(), model.to_xarray()
     assert list(table.index) == [1, 2, 3]
-    assert table["frequency_hz"].tolist() == model.modal.frequency_hz.tolist()
+    assert table["frequency_hz"].tolist() == model.modal_model.frequency_hz.tolist()
     assert arrays["shape"].sel(output="y10").shape == (3,)
 
 
@@ -92,7 +92,7 @@ def test_without_pandas_one_sentence_names_the_extra(model: ml.Model, monkeypatc
 
 def test_a_model_is_kept_as_a_document_and_as_a_report(recorded: ml.Model, tmp_path: Path) -> None:
     document = json.loads(recorded.save(tmp_path / "models.json").read_text())
-    assert document["models"][0]["frequency_hz"] == recorded.modal.frequency_hz.tolist()
+    assert document["models"][0]["frequency_hz"] == recorded.modal_model.frequency_hz.tolist()
 
 
 def test_a_recording_is_short_to_read_and_can_be_kept(small: Path, tmp_path: Path) -> None:

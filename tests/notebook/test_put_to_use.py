@@ -58,7 +58,7 @@ def test_a_response_is_that_of_the_state_space(model: ml.Model) -> None:
     moved = model.response(force, dt, at=1, quantity="velocity", between="linear")
     _, expected, _ = model.state_space(1, quantity="velocity").scipy().output(force, dt * np.arange(512))
     np.testing.assert_allclose(moved.values, expected.T, atol=1e-9)
-    np.testing.assert_allclose(moved.error(moved.values), 0)
+    np.testing.assert_allclose(moved.error_against(moved.values), 0)
     np.testing.assert_allclose(moved.level(0, 1 / dt), moved.rms, rtol=0.05)
 
 
@@ -105,7 +105,7 @@ def test_answers_of_the_inverse_have_their_numbers(model: ml.Model) -> None:
     assert np.abs(hz - 10.5).min() < 1e-3
     found = model.best_absorber(mode=1, at=1, mass=0.1)
     assert found.numbers.after < found.numbers.before
-    assert model.modify(found.numbers.absorber).frequency_hz.size == model.modal.n_modes + 1
+    assert model.modify(found.numbers.absorber).frequency_hz.size == model.modal_model.n_modes + 1
 
 
 def test_every_result_shows_itself_in_a_line_at_a_prompt(model: ml.Model) -> None:
@@ -133,9 +133,9 @@ def test_a_mass_on_the_simulated_bench_moves_its_modes_as_the_model_of_the_bare_
     tests = [ml.simulate("link", e, seed=11, tolerances="usual", plan=plan, progress=False) for e in effects]
     bare, heavy = (ml.identify(test, "impact", progress=False) for test in tests)
     after = bare.modify(mass=0.05, at=8)
-    measured = heavy.modal.frequency_hz
+    measured = heavy.modal_model.frequency_hz
     nearest = measured[np.argmin(np.abs(after.frequency_hz[:, None] - measured), axis=1)]
-    off, known = after.frequency_hz / nearest - 1, bare.modal.n_modes
+    off, known = after.frequency_hz / nearest - 1, bare.modal_model.n_modes
     assert np.abs(off[:known]).max() < 2e-3
     assert np.all(np.abs(off) < 3 * after.frequency_sigma_hz / after.frequency_hz)
     # One comes in from beyond the band, where the bare model has a compliance only.

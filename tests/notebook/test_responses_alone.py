@@ -23,10 +23,10 @@ def records() -> np.ndarray:
 def test_arrays_without_a_force_are_identified_at_once() -> None:
     model = ml.identify(ml.responses(records(), RATE_HZ, points=[3, 7]), band=(4.0, 25.0))
     assert len(model) == 1
-    assert abs(model.modal.frequency_hz[0] - F_HZ) < 4 * model.modal.frequency_sigma_hz[0]
-    assert model.modal.output_points == (3, 7)
-    np.testing.assert_allclose(model.modal.operating_shapes, [[1.0, -0.5]], atol=0.01)
-    assert "Shapes are unscaled" in model.modal.notes[0]
+    assert abs(model.modal_model.frequency_hz[0] - F_HZ) < 4 * model.modal_model.frequency_sigma_hz[0]
+    assert model.modal_model.output_points == (3, 7)
+    np.testing.assert_allclose(model.modal_model.operating_shapes, [[1.0, -0.5]], atol=0.01)
+    assert "Shapes are unscaled" in model.modal_model.notes[0]
     with pytest.raises(IdentificationError, match="only the band"):
         ml.identify(ml.responses(records(), RATE_HZ), pick=(9.0,))
 

@@ -43,7 +43,7 @@ def test_millivolts_and_engineering_units_are_understood() -> None:
 def test_both_ends_of_the_converter_are_overload_and_nothing_else() -> None:
     conversion = conversion_of(rig(), delivery(), "impact")
     for value, over in [(32767, True), (-32768, True), (32766, False), (-32766, False)]:
-        assert conversion.overload(np.array([[0, 0], [0, value]], dtype=np.int16)).tolist() == [False, over]
+        assert conversion.overloaded_channels(np.array([[0, 0], [0, value]], dtype=np.int16)).tolist() == [False, over]
 
 
 def test_a_channels_own_range_counts_before_the_converters() -> None:

@@ -17,7 +17,7 @@ from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.faults.all_faults import faults_of
-from modallab.signals.faults.repeats import Fault
+from modallab.signals.faults.repeats import SampleFault
 from modallab.signals.faults.whole_channels import LOWEST_LINE
 
 Rows = NDArray[np.float64]
@@ -172,7 +172,7 @@ def test_a_part_that_is_held_is_named_where_it_begins() -> None:
 def test_it_is_named_with_its_time() -> None:
     rows = record("random", 1)
     rows[1] = stopped(rows[1], 0.0, 10)
-    assert faults_of(block(rows), RIG) == (Fault("a1", "stands still at 0 while it should move", 0.1, 10),)
+    assert faults_of(block(rows), RIG) == (SampleFault("a1", "stands still at 0 while it should move", 0.1, 10),)
     rows = record("hit", 1)
     rows[2] = one_off(rows[2], 100)
     (found,) = faults_of(block(rows), RIG)

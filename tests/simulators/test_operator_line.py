@@ -56,7 +56,7 @@ def test_a_double_and_an_oblique_hit() -> None:
         bench.stop()
         bench.start()
         send(port, act="strike", point=10, peak_n=60.0, after_s=0.1, oblique_deg=angle)
-        si = conversion.si(bench.read(2000, 1.0).samples)
+        si = conversion.to_si(bench.read(2000, 1.0).samples)
         assert si[0].max() == pytest.approx(60, rel=0.05)
         moved.append(float(si[10].std()))
     assert moved[1] / moved[0] == pytest.approx(0.5, rel=0.01)
@@ -67,10 +67,10 @@ def test_a_hand_brings_the_beam_to_rest() -> None:
     port = free_port()
     bench, conversion = opened(port)
     send(port, act="strike", point=10, peak_n=60.0)
-    rings = conversion.si(bench.read(4000, 1.0).samples)[10, 2000:].std()
+    rings = conversion.to_si(bench.read(4000, 1.0).samples)[10, 2000:].std()
     send(port, act="hold", seconds=2.0)
     bench.read(6000, 1.0)
-    assert conversion.si(bench.read(2000, 1.0).samples)[10].std() < 0.01 * rings
+    assert conversion.to_si(bench.read(2000, 1.0).samples)[10].std() < 0.01 * rings
     bench.close()
 
 

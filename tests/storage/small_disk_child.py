@@ -36,15 +36,15 @@ def main(mount: Path) -> dict[str, object]:
         code = ""
         with recorder:
             recorder.open(delivery, N)
-            recorder.enter("acquiring")
+            recorder.enter_state("acquiring")
             try:
                 while len(kept) < 100:
                     samples = rng.integers(-(2**31), 2**31, (11, N), dtype=np.int32)
-                    recorder.record(samples, BlockNote(f"b{len(kept)}", "impact", N * len(kept)))
+                    recorder.record_block(samples, BlockNote(f"b{len(kept)}", "impact", N * len(kept)))
                     kept.append(samples)
             except DiskFullError as error:
                 code = error.code
-                recorder.enter("failed", "disk_full")
+                recorder.enter_state("failed", "disk_full")
     with Store(mount / "data") as store:
         run = store.catalogue.run(recorder.run)
         back = store.blocks(recorder.run)

@@ -15,7 +15,7 @@ from sqlalchemy import select, text
 
 from modallab.core.errors import DiskFullError, StorageError
 from modallab.jobs import Jobs
-from modallab.jobs.leases import Leases
+from modallab.jobs.leases import JobLeases
 from modallab.jobs.table import METADATA as JOBS_METADATA
 from modallab.storage import BlockNote, Recorder, Store
 from modallab.storage.backup import back_up, restore_backup
@@ -35,8 +35,8 @@ def test_a_backup_is_a_data_folder_with_the_same_rows_and_samples(any_store: Sto
     runs = [_record(any_store, 10), _record(any_store, 20)]
     jobs = Jobs(any_store.catalogue.engine)
     job = jobs.submit("identify", {"a": 1}, [runs[0]])
-    leases = Leases(any_store.catalogue.engine, "one")
-    leases.done(leases.take(["identify"], 1)[0], {"modes": [1.5, None]})
+    leases = JobLeases(any_store.catalogue.engine, "one")
+    leases.complete(leases.lease_jobs(["identify"], 1)[0], {"modes": [1.5, None]})
     (any_store.folder / "results" / job.id).mkdir(parents=True)
     (any_store.folder / "results" / job.id / "report.html").write_text("a report")
 
@@ -80,11 +80,11 @@ def test_a_backup_while_a_run_is_recorded_is_of_one_moment(any_store: Store, tmp
     """One thread records without a pause; each of three backups holds a whole beginning of the run."""
     stop, kept = threading.Event(), list[int]()
     recorder: Recorder = begin(any_store)
-    recorder.enter("acquiring")
+    recorder.enter_state("acquiring")
 
     def go_on() -> None:
         while not stop.is_set():
-            recorder.record(noise(len(kept)), BlockNote(f"b{len(kept)}", "impact", 64 * len(kept)))
+            recorder.record_block(noise(len(kept)), BlockNote(f"b{len(kept)}", "impact", 64 * len(kept)))
             kept.append(1)
 
     thread = threading.Thread(target=go_on)

@@ -29,7 +29,7 @@ def test_a_run_comes_back_with_all_that_belongs_to_it(any_store: Store) -> None:
     (block,) = any_store.blocks(recorder.run)
     np.testing.assert_array_equal(block.samples, noise(1, "int32"))
     assert any_store.catalogue.blocks(recorder.run)[0].note == NOTE
-    any_store.drop(recorder.run, "b")
+    any_store.drop_block(recorder.run, "b")
     assert any_store.blocks(recorder.run) == ()
 
 

@@ -12,7 +12,7 @@ from recording import INFO, PLAN, begin, noise, small_rig
 from modallab.core.child_process import FileLock
 from modallab.core.errors import DiskFullError, FormatError, StorageError
 from modallab.storage import BlockNote, Store
-from modallab.storage.catalogue import Catalogue
+from modallab.storage.catalogue import RunCatalogue
 from modallab.storage.durable import file_system, require_local, require_space
 from modallab.storage.samples import lookup3_checksum, seal_file
 
@@ -33,7 +33,7 @@ def test_a_flipped_byte_is_reported_with_run_and_block(store: Store) -> None:
     with pytest.raises(StorageError, match="samples on the disk differ from the recording") as caught:
         store.blocks(run)
     assert caught.value.where == f"run {run}, block 1, b1"
-    assert next(iter(store.iterate(run))).name == "b0"
+    assert next(iter(store.iterate_blocks(run))).name == "b0"
 
 
 def test_a_file_cut_off_or_gone_is_reported_by_name(store: Store) -> None:
@@ -112,14 +112,14 @@ def test_the_end_of_a_run_is_written_in_the_room_that_was_kept_for_it(
 ) -> None:
     with begin(store) as recorder:
         reserve = store.folder / "runs" / f"{recorder.run}.reserve"
-        write = Catalogue.update_run
+        write = RunCatalogue.update_run
 
-        def full_but_for_the_reserve(catalogue: Catalogue, run: str, **values: Any) -> None:
+        def full_but_for_the_reserve(catalogue: RunCatalogue, run: str, **values: Any) -> None:
             if reserve.exists():
                 raise DiskFullError("the disk is full", remedy="free space")
             write(catalogue, run, **values)
 
-        monkeypatch.setattr(Catalogue, "update_run", full_but_for_the_reserve)
+        monkeypatch.setattr(RunCatalogue, "update_run", full_but_for_the_reserve)
         recorder.enter("failed", "the disk is full")
     ended = store.catalogue.run(recorder.run)
     assert (ended.state, ended.reason) == ("failed", "the disk is full")

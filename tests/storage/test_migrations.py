@@ -44,7 +44,7 @@ def test_a_folder_of_version_1_becomes_one_of_today_and_goes_on(old: Path) -> No
     with Store(old) as store:
         assert _version(store.catalogue.engine) == STORE
         run = store.catalogue.runs()[0].id
-        store.drop(run, "impact_p01_1")
+        store.drop_block(run, "impact_p01_1")
         with begin(store) as recorder:
             recorder.record(noise(9), BlockNote("new", "impact", 0))
             recorder.enter("done")

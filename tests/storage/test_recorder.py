@@ -104,7 +104,7 @@ def test_the_table_of_blocks_is_append_only(store: Store) -> None:
 
 def test_recording_before_the_delivery_is_known_is_rejected(store: Store) -> None:
     with store.begin(PLAN, small_rig(), INFO) as recorder, pytest.raises(StorageError, match="no file is open"):
-        recorder.record(noise(1), BlockNote("b", "impact", 0))
+        recorder.record_block(noise(1), BlockNote("b", "impact", 0))
 
 
 def test_an_unknown_run_is_named(store: Store) -> None:

@@ -73,7 +73,7 @@ def test_a_sine_switched_on_at_once_is_the_limit_of_both_rises() -> None:
     yes, no, history = np.ones(2, dtype=np.bool_), np.zeros(2, dtype=np.bool_), np.full(2, 2.0)
     sudden = -np.exp(-2.0 * a) / a
     for cosine in (yes, no):
-        assert SineStartUp(history, np.zeros(2), cosine, yes).left(a) == pytest.approx(sudden, rel=1e-4)
+        assert SineStartUp(history, np.zeros(2), cosine, yes).remaining_transient(a) == pytest.approx(sudden, rel=1e-4)
 
 
 def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> None:

@@ -51,7 +51,7 @@ def test_a_stiffness_that_is_wrong_as_a_whole_is_no_local_spring() -> None:
     assert abs(found.numbers["ground spring"]) < 100
     low, high = found.interval["ground spring"]
     assert low < 0 < high
-    assert found.undetermined == ()
+    assert found.undetermined_parameters == ()
 
 
 def test_modes_held_out_come_nearer_though_the_estimate_does_not_see_them() -> None:
@@ -68,8 +68,8 @@ def test_modes_held_out_come_nearer_though_the_estimate_does_not_see_them() -> N
 def test_stiffness_and_mass_alone_are_not_determined_by_shapes_without_a_scale() -> None:
     priors = {"stiffness": Prior(1.0, 0.02, True), "mass": Prior(1.0, 0.02, True)}
     found = update_parameters(predict, priors, measured(1e-4, 10.0, stiffness=1.01))
-    assert found.together == (("mass", "stiffness"),)
-    assert set(found.undetermined) == {"stiffness", "mass"}
+    assert found.correlated_pairs == (("mass", "stiffness"),)
+    assert set(found.undetermined_parameters) == {"stiffness", "mass"}
     both = found.numbers["stiffness"] / found.numbers["mass"]
     assert both == pytest.approx(1.01, abs=1e-3)
 
@@ -79,7 +79,7 @@ def test_what_moves_nothing_keeps_its_prior_and_is_named() -> None:
     found = update_parameters(
         lambda p: predict({n: v for n, v in p.items() if n != "paint"}), priors, measured(stiffness=1.02)
     )
-    assert found.undetermined == ("paint",)
+    assert found.undetermined_parameters == ("paint",)
     assert found.interval["paint"] == pytest.approx((3 - 1.96, 3 + 1.96), abs=0.15)
 
 

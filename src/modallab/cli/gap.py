@@ -148,15 +148,17 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     _require_plans(rig, plans)
     found = distinguishability_of_plan(rig, plans)
     console = Console()
-    pairs = found.alike()
+    pairs = found.indistinguishable_pairs()
     table = Table("effect", "and", "largest cosine of their signatures")
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
-    if found.hidden():
-        console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
+    if found.hidden_effects():
+        console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden_effects())}", markup=False)
     sizes = Table("effect", "smallest detectable size, relative to a usual size")
-    for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
+    for name, least in sorted(
+        zip(found.effects, found.smallest_visible.tolist(), strict=True), key=lambda pair: pair[1]
+    ):
         sizes.add_row(name, f"{least:.2g}")
     console.print(sizes)
     for line in advice_on_plan(found, plans):

@@ -60,7 +60,7 @@ def couple(known: KnownStructure, arguments: argparse.Namespace) -> None:
 
 def _show_changed(known: KnownStructure, changes: Sequence[AttachedPart], arguments: argparse.Namespace) -> None:
     changed = known.with_changes(changes)
-    m, words = changed.modes, [c.words for c in changes]
+    m, words = changed.modes, [c.description for c in changes]
     show_rows(arguments, modified_rows(changed, words))
     if arguments.check is not None:
         for one in check_predictions(m, read_reference(arguments.check, known.stated_rig, known.model).model):

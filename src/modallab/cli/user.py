@@ -11,7 +11,7 @@ from modallab.cli.backup import require_data_folder
 from modallab.core.documents.users import TokenRequest, UserRequest
 from modallab.core.errors import DataError
 from modallab.core.field_errors import error_sentences
-from modallab.service.records.users import Users
+from modallab.service.records.users import UserTable
 from modallab.storage import Store
 
 
@@ -19,7 +19,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what was chosen."""
     require_data_folder(arguments.data)
     with Store(arguments.data) as store:
-        users = Users(store.catalogue.engine)
+        users = UserTable(store.catalogue.engine)
         try:
             {"add": _add, "token": _token, "list": _list, "revoke": _revoke}[arguments.action](users, arguments)
         except ValidationError as error:
@@ -29,12 +29,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _add(users: Users, arguments: argparse.Namespace) -> None:
+def _add(users: UserTable, arguments: argparse.Namespace) -> None:
     users.add(UserRequest(name=arguments.name, role=arguments.role), _operator_name())
     _token(users, arguments)
 
 
-def _token(users: Users, arguments: argparse.Namespace) -> None:
+def _token(users: UserTable, arguments: argparse.Namespace) -> None:
     role = arguments.role if arguments.action == "token" else None
     rigs = tuple(arguments.rig or ())
     new = TokenRequest(label=arguments.label, role=role, rigs=rigs, ttl_days=arguments.days)
@@ -43,7 +43,7 @@ def _token(users: Users, arguments: argparse.Namespace) -> None:
     _print([f"token {made.about.id} of {arguments.name}, {made.about.role}{until}; shown this once:", made.token])
 
 
-def _list(users: Users, _: argparse.Namespace) -> None:
+def _list(users: UserTable, _: argparse.Namespace) -> None:
     for user in users.all():
         gone = f", revoked {user.revoked_utc}" if user.revoked_utc else ""
         _print([f"{user.name}: {user.role}{gone}"])
@@ -54,7 +54,7 @@ def _list(users: Users, _: argparse.Namespace) -> None:
             _print([f"  token {token.id}: {', '.join(part for part in (*what, *ends) if part)}"])
 
 
-def _revoke(users: Users, arguments: argparse.Namespace) -> None:
+def _revoke(users: UserTable, arguments: argparse.Namespace) -> None:
     if arguments.token is None:
         users.revoke(arguments.name, _operator_name())
         _print([f"{arguments.name}: all tokens are revoked"])

@@ -16,7 +16,15 @@ from modallab.core.documents.models import ComparisonView, DiagnosisView, Models
 from modallab.core.documents.pages import EventView, Page
 from modallab.core.documents.results import FrfView, JobKind, JobRequest, JobView
 from modallab.core.documents.rigs import Lease, LeaseRequest, RigView, StopReason
-from modallab.core.documents.runs import BlockView, CampaignRequest, CampaignView, Command, RunRequest, RunView, Verdict
+from modallab.core.documents.runs import (
+    BlockVerdict,
+    BlockView,
+    CampaignRequest,
+    CampaignView,
+    Command,
+    RunRequest,
+    RunView,
+)
 from modallab.core.plan import Plan
 
 ENDED = ("done", "failed", "aborted")
@@ -151,7 +159,7 @@ class Client(QueueCalls, UserCalls):
         shape = tuple(int(part) for part in response.headers["Modallab-Shape"].split(","))
         return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
 
-    def judge_block(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
+    def judge_block(self, run: str, n: int, verdict: BlockVerdict, lease: HeldLease | None = None) -> BlockView:
         """Accept or reject a block; while its run goes on that needs the lease."""
         path = f"/runs/{run}/blocks/{n}/verdict"
         return self._put(BlockView, path, verdict, lease)

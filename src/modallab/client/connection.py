@@ -12,14 +12,14 @@ from typing import Protocol, Self, TypeVar
 import httpx
 from pydantic import BaseModel, ValidationError
 
-from modallab.core.documents.pages import Page, Problem
+from modallab.core.documents.pages import Page, ProblemDetails
 from modallab.core.documents.rigs import Lease
 
 
 class ServiceProblemError(Exception):
     """The service answered with a problem; `problem` says which, and what to do."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: ProblemDetails) -> None:
         self.problem = problem
         super().__init__(problem)
 
@@ -37,11 +37,11 @@ def require_good(response: httpx.Response) -> httpx.Response:
     if response.is_success:
         return response
     try:
-        raise ServiceProblemError(Problem.model_validate_json(response.content))
+        raise ServiceProblemError(ProblemDetails.model_validate_json(response.content))
     except ValidationError as error:
         # Not from the service itself, but from something in between.
         text = f"status {response.status_code} from {response.request.url}"
-        unknown = Problem(
+        unknown = ProblemDetails(
             type="", title="The service does not answer", status=response.status_code, code="", detail=text
         )
         raise ServiceProblemError(unknown) from error

@@ -214,7 +214,7 @@ def _check_by_tap(
         place = trigger.scan(conversion.force_n(after))
         if place is not None:
             both = np.concatenate([before, after, read_samples(bench, delivery.rate_hz, step)[0]], axis=1)
-            return _polarity(channel, conversion.si(both), step + place, conversion.force, delivery.rate_hz)
+            return _polarity(channel, conversion.to_si(both), step + place, conversion.force, delivery.rate_hz)
         before = after
     raise BenchError(
         f"no tap above {TAP_N:g} N at point {channel.point} within {TAP_PATIENCE_S:g} s",

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from modallab.core.budget import Budget
-from modallab.core.effect import Alternative, LearnedElement, Place, place_as_shares
+from modallab.core.effect import AlternativeDescription, LearnedElement, Place, place_as_shares
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
 from modallab.core.versions import DIAGNOSIS
@@ -239,7 +239,7 @@ class GapDescription(Frozen):
     channels: list[str]
     shrink: Shrinkage
     twin: TwinParameters
-    alternatives: list[Alternative]
+    alternatives: list[AlternativeDescription]
 
 
 class Diagnosis(Frozen):

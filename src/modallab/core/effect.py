@@ -228,7 +228,7 @@ class LearnedElement(Frozen):
         return Effect(effect=self.element, parameters=self.parameters, place=place_as_shares(self.place))
 
 
-class Alternative(Frozen):
+class AlternativeDescription(Frozen):
     """Another description, fitted to convergence.
 
     Attributes:

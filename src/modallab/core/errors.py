@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 _MOST = 20
 
 
-class Http(NamedTuple):
+class HttpProblem(NamedTuple):
     """How the service answers with an error: a kind of problem, with a page of its own.
 
     Attributes:
@@ -36,7 +36,7 @@ class ModallabError(Exception):
     """
 
     code: ClassVar[str] = "error"
-    http: ClassVar[Http] = Http(500, "Not done", "Read the message.")
+    http: ClassVar[HttpProblem] = HttpProblem(500, "Not done", "Read the message.")
     exit_code: ClassVar[int] = 2
 
     def __init__(self, what: str, *, remedy: str = "", where: str = "") -> None:
@@ -68,21 +68,21 @@ class MissingPackageError(ModallabError):
     """A package that only some work needs is not installed; the remedy says how to install it."""
 
     code = "package"
-    http = Http(501, "A package is missing", "Install the package on the service's machine, as the answer says.")
+    http = HttpProblem(501, "A package is missing", "Install the package on the service's machine, as the answer says.")
 
 
 class RigError(ModallabError):
     """The rig file is not valid, or lacks what this step needs."""
 
     code = "rig"
-    http = Http(422, "The rig lacks something", "Complete the rig file.")
+    http = HttpProblem(422, "The rig lacks something", "Complete the rig file.")
 
 
 class PlanError(ModallabError):
     """The rig, its limits or the bench do not allow the plan."""
 
     code = "plan"
-    http = Http(
+    http = HttpProblem(
         422,
         "The plan is not possible",
         "The rig, its limits or the bench do not allow the plan; every reason is named.",
@@ -93,28 +93,30 @@ class FormatError(ModallabError):
     """A file cannot be read: it is truncated, foreign, or of an unknown version."""
 
     code = "format"
-    http = Http(422, "A file cannot be read", "The file is truncated, foreign, or of an unknown version.")
+    http = HttpProblem(422, "A file cannot be read", "The file is truncated, foreign, or of an unknown version.")
 
 
 class DataError(ModallabError):
     """A recording contains impossible values: NaN, a dead channel, a wrong shape or unit."""
 
     code = "data"
-    http = Http(422, "The data cannot be used", "The data contain impossible values, or lack what was requested.")
+    http = HttpProblem(
+        422, "The data cannot be used", "The data contain impossible values, or lack what was requested."
+    )
 
 
 class IdentificationError(ModallabError):
     """The requested modal model cannot be identified from these data."""
 
     code = "identification"
-    http = Http(422, "No model in these data", "Look at the FRF and its coherence.")
+    http = HttpProblem(422, "No model in these data", "Look at the FRF and its coherence.")
 
 
 class BenchError(ModallabError):
     """A device of the bench failed, is absent, or rejected a command."""
 
     code = "bench"
-    http = Http(503, "The bench failed", "A device failed, is absent, or rejected a command.")
+    http = HttpProblem(503, "The bench failed", "A device failed, is absent, or rejected a command.")
 
 
 class ConfigurationError(BenchError):
@@ -133,7 +135,7 @@ class DeviceBusyError(BenchError):
     """Another owner holds the device."""
 
     code = "bench-busy"
-    http = Http(409, "The device is held by another", "Close the other program.")
+    http = HttpProblem(409, "The device is held by another", "Close the other program.")
 
 
 class SamplesLostError(BenchError):
@@ -164,28 +166,32 @@ class SafetyError(ModallabError):
     """A limit of the rig was or would have been exceeded; the output is at zero."""
 
     code = "safety"
-    http = Http(409, "Beyond a limit", "A limit of the rig was or would have been exceeded; the output is at 0 V.")
+    http = HttpProblem(
+        409, "Beyond a limit", "A limit of the rig was or would have been exceeded; the output is at 0 V."
+    )
 
 
 class StorageError(ModallabError):
     """A recording could not be stored or read. Acknowledged blocks are kept."""
 
     code = "storage"
-    http = Http(500, "The data folder cannot be read or written", "Check the disk; acknowledged blocks are kept.")
+    http = HttpProblem(
+        500, "The data folder cannot be read or written", "Check the disk; acknowledged blocks are kept."
+    )
 
 
 class DiskFullError(StorageError):
     """The disk is full."""
 
     code = "disk_full"
-    http = Http(507, "The disk is full", "Free space on the disk; acknowledged blocks are kept.")
+    http = HttpProblem(507, "The disk is full", "Free space on the disk; acknowledged blocks are kept.")
 
 
 class DatabaseLostError(StorageError):
     """The database server cannot be reached, or ended the connection."""
 
     code = "database-lost"
-    http = Http(
+    http = HttpProblem(
         503,
         "The database cannot be reached",
         "Check the database server; the service continues when the server is back.",
@@ -196,14 +202,14 @@ class RowDamagedError(StorageError):
     """A row of the database is damaged."""
 
     code = "row-damaged"
-    http = Http(500, "A row of the database is damaged", "Restore the database from a backup.")
+    http = HttpProblem(500, "A row of the database is damaged", "Restore the database from a backup.")
 
 
 class BlockDamagedError(StorageError):
     """The samples of a block on the disk differ from those recorded."""
 
     code = "block-damaged"
-    http = Http(
+    http = HttpProblem(
         500,
         "A block is damaged",
         "The samples on the disk differ from those recorded. Restore the run's file from a backup, or reject the "
@@ -215,14 +221,14 @@ class JobError(ModallabError):
     """A job cannot be ordered or computed as asked."""
 
     code = "job"
-    http = Http(422, "The job cannot be ordered", "Look at its parameters.")
+    http = HttpProblem(422, "The job cannot be ordered", "Look at its parameters.")
 
 
 class UnknownJobError(JobError):
     """There is no job of this name."""
 
     code = "job-unknown"
-    http = Http(404, "There is no such job", "Look at the list of jobs.")
+    http = HttpProblem(404, "There is no such job", "Look at the list of jobs.")
 
 
 class ErrorCollection:
@@ -245,7 +251,7 @@ class ErrorCollection:
             return True
         return False
 
-    def done(self) -> None:
+    def raise_collected(self) -> None:
         """Raise what was kept: the error itself if there is one, else one of the first one's type that lists all."""
         if not self.errors:
             return

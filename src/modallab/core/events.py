@@ -175,7 +175,7 @@ class DecisionRequested(RunEvent):
     reason: str = ""
 
 
-class Notice(RunEvent):
+class OperatorNotice(RunEvent):
     """A fact for the operator before or during motion, such as the duration of the longest burst.
 
     Attributes:
@@ -186,7 +186,7 @@ class Notice(RunEvent):
     what: str
 
 
-class Progress(RunEvent):
+class RunProgress(RunEvent):
     """Progress of the run.
 
     Attributes:
@@ -201,7 +201,7 @@ class Progress(RunEvent):
     what: str
 
 
-class Failed(RunEvent):
+class RunFailed(RunEvent):
     """The run ended early; blocks acknowledged before are kept.
 
     Attributes:
@@ -226,8 +226,8 @@ Event = Annotated[
     | BlockDropped
     | BlockAccepted
     | DecisionRequested
-    | Notice
-    | Progress
-    | Failed,
+    | OperatorNotice
+    | RunProgress
+    | RunFailed,
     Field(discriminator="kind"),
 ]

@@ -81,7 +81,7 @@ def _error_sentence(detail: ErrorDetails) -> str:
     return f"{field} is {quoted_value(detail['input'])}; allowed: {allowed_values(detail)}"
 
 
-class Problem(NamedTuple):
+class FieldProblem(NamedTuple):
     """One thing that is wrong in a rig: the field, what it holds, what it may hold."""
 
     field: str
@@ -92,7 +92,7 @@ class Problem(NamedTuple):
         return f"{self.field}: {self.found}; allowed: {self.allowed}"
 
 
-def reject_problems(problems: Sequence[Problem]) -> None:
+def reject_problems(problems: Sequence[FieldProblem]) -> None:
     """Reject a document in which something is wrong, all of it at once.
 
     Raises:
@@ -102,10 +102,10 @@ def reject_problems(problems: Sequence[Problem]) -> None:
         raise ValueError("\n".join(str(problem) for problem in problems))
 
 
-def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
+def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[FieldProblem]:
     """What occurs twice in a field of a group of entries; None: not known."""
     return [
-        Problem(
+        FieldProblem(
             f"{group}[{place}].{field}",
             f"found {value_in_message(value)}, as in {group}[{values.index(value)}]",
             "each once",

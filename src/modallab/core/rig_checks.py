@@ -5,7 +5,7 @@ from typing import Final, cast
 
 from modallab.core.field_errors import (
     INVALID,
-    Problem,
+    FieldProblem,
     list_entries,
     number_or_none,
     repeated_entries,
@@ -25,7 +25,7 @@ BEAM_RANGES: Final = {
 _ROUNDING = 1e-9
 
 
-def cross_problems(content: Mapping[str, object]) -> list[Problem]:
+def cross_problems(content: Mapping[str, object]) -> list[FieldProblem]:
     """Everything wrong between the fields of a rig.
 
     Args:
@@ -46,58 +46,60 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     ]
 
 
-def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Problem]:
+def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[FieldProblem]:
     """What is wrong between the fields of one channel."""
-    problems: list[Problem] = []
+    problems: list[FieldProblem] = []
     quantity, unit = channel.get("quantity"), channel.get("unit")
     if isinstance(quantity, str) and isinstance(unit, str) and quantity in TO_SI:
         units = TO_SI[quantity]
         if unit not in units:
-            problems.append(Problem(f"{prefix}unit", f"found {unit!r}", f"{', '.join(units)} (units of {quantity})"))
+            problems.append(
+                FieldProblem(f"{prefix}unit", f"found {unit!r}", f"{', '.join(units)} (units of {quantity})")
+            )
     value = channel.get("sensitivity_v_per_unit", 1.0)
     named = cast("Mapping[object, object]", value).items() if isinstance(value, Mapping) else (("", value),)
     for test, stated in named:
         if number_or_none(stated) == 0:
             field = f"{prefix}sensitivity_v_per_unit{f'.{test}' if test else ''}"
-            problems.append(Problem(field, f"found {stated}", "any number but 0 (negative for a turned sensor)"))
+            problems.append(FieldProblem(field, f"found {stated}", "any number but 0 (negative for a turned sensor)"))
     return problems
 
 
-def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
+def _beam_problems(content: Mapping[str, object]) -> list[FieldProblem]:
     beam = content.get("beam")
     if content.get("model", "cantilever") == "cantilever" and beam is None:
-        return [Problem("beam", "missing", "a beam, or model: unknown")]
+        return [FieldProblem("beam", "missing", "a beam, or model: unknown")]
     if not isinstance(beam, Mapping):
         return []
     fields = cast("Mapping[str, object]", beam)
     return [
-        Problem(f"beam.{name}", f"found {value:g}", f"{low:g} to {high:g} {unit}")
+        FieldProblem(f"beam.{name}", f"found {value:g}", f"{low:g} to {high:g} {unit}")
         for name, (low, high, unit) in BEAM_RANGES.items()
         if (value := number_or_none(fields.get(name))) is not None and not low <= value <= high
     ]
 
 
-def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
+def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[FieldProblem]:
     problems = repeated_entries("points", "id", [number_or_none(point.get("id")) for point in points])
     beam = content.get("beam")
     length = number_or_none(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
     for place, point in enumerate(points):
         x = number_or_none(point.get("x_m"))
         if x is not None and length is not None and not 0 <= x <= length * (1 + _ROUNDING):
-            problems.append(Problem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
+            problems.append(FieldProblem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
     return problems
 
 
 def _drawn_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], what: str, allowed: str
-) -> list[Problem]:
+) -> list[FieldProblem]:
     """Lines or surfaces between points that are none."""
     drawn, ids = content.get(what), [number_or_none(point.get("id")) for point in points]
     if not isinstance(drawn, Sequence) or isinstance(drawn, str) or None in ids:
         return []
     named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", drawn))]
     return [
-        Problem(f"{what}[{n}]", f"found {end}", allowed)
+        FieldProblem(f"{what}[{n}]", f"found {end}", allowed)
         for n, ends in named
         if isinstance(ends, Sequence) and not isinstance(ends, str)
         for end in ends
@@ -107,7 +109,7 @@ def _drawn_problems(
 
 def _channel_set_problems(
     channels: Sequence[Mapping[str, object]], shakers: Sequence[Mapping[str, object]], *, needs_force: bool
-) -> list[Problem]:
+) -> list[FieldProblem]:
     names = [channel.get("name") for channel in channels]
     problems = repeated_entries("channels", "name", [name if isinstance(name, str) else None for name in names])
     inputs = [channel.get("input") for channel in channels]
@@ -118,7 +120,7 @@ def _channel_set_problems(
         index = number_or_none(channel.get("index"))
         if index is not None and index != place:
             problems.append(
-                Problem(
+                FieldProblem(
                     f"channels[{place}].index", f"found {index:g}", f"{place}: channels stand in order 0, 1, 2, ..."
                 )
             )
@@ -132,13 +134,13 @@ def _channel_set_problems(
         allowed += f" beside those of the {len(shakers)} under shakers" if shakers else ""
         if len(forces) > most:
             allowed += ", with an entry under shakers for each further one"
-        problems.append(Problem("channels", found, f"{allowed}, and a response"))
+        problems.append(FieldProblem("channels", found, f"{allowed}, and a response"))
     return problems
 
 
 def _reference_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], channels: Sequence[Mapping[str, object]]
-) -> list[Problem]:
+) -> list[FieldProblem]:
     ids = [number_or_none(point.get("id")) for point in points]
     if None in ids or content.get("points") is INVALID:
         return []
@@ -147,7 +149,7 @@ def _reference_problems(
         f": {', '.join(f'{i:g}' for i in ids if i is not None)}" if ids else ""
     )
     return [
-        Problem(field, f"found {value}", allowed)
+        FieldProblem(field, f"found {value}", allowed)
         for field, value in [*named, ("shaker_point", content.get("shaker_point")), *_shaker_points(content)]
         if number_or_none(value) is not None and number_or_none(value) not in ids
     ]
@@ -159,14 +161,16 @@ def _shaker_points(content: Mapping[str, object]) -> list[tuple[str, object]]:
 
 def shaker_problems(
     content: Mapping[str, object], channels: Sequence[Mapping[str, object]], shakers: Sequence[Mapping[str, object]]
-) -> list[Problem]:
+) -> list[FieldProblem]:
     """What is wrong between the shakers beside the first one and the rest of the rig."""
     if not shakers:
         return []
-    problems: list[Problem] = []
+    problems: list[FieldProblem] = []
     first = content.get("shaker_point")
     if first is None:
-        problems.append(Problem("shaker_point", "missing", "the point of the first shaker, where others are listed"))
+        problems.append(
+            FieldProblem("shaker_point", "missing", "the point of the first shaker, where others are listed")
+        )
     points = [number_or_none(first), *(number_or_none(shaker.get("point")) for shaker in shakers)]
     excitation = content.get("excitation")
     wired = cast("Mapping[str, object]", excitation).get("output") if isinstance(excitation, Mapping) else ""
@@ -178,29 +182,29 @@ def shaker_problems(
 
 def _force_channel_problems(
     channels: Sequence[Mapping[str, object]], shakers: Sequence[Mapping[str, object]]
-) -> list[Problem]:
+) -> list[FieldProblem]:
     if any(channel.get("quantity", INVALID) is INVALID or channel.get("name") is INVALID for channel in channels):
         return []
     forces = [channel.get("name") for channel in channels if channel.get("quantity") == "force"]
     named = [shaker.get("force") for shaker in shakers]
     problems = [
-        Problem(f"shakers[{place}].force", f"found {name!r}", f"the name of a channel of quantity force: {forces}")
+        FieldProblem(f"shakers[{place}].force", f"found {name!r}", f"the name of a channel of quantity force: {forces}")
         for place, name in enumerate(named)
         if isinstance(name, str) and name not in forces
     ]
     if not problems and forces and all(name in named for name in forces):
         problems.append(
-            Problem(
+            FieldProblem(
                 "shakers", f"all force channels, {forces}", "one force channel without a shaker, for the first shaker"
             )
         )
     return problems
 
 
-def _repeated_of_shakers(field: str, values: Sequence[str | float | None]) -> list[Problem]:
+def _repeated_of_shakers(field: str, values: Sequence[str | float | None]) -> list[FieldProblem]:
     """Values of the first shaker and of those listed that occur twice; None: not known."""
     return [
-        Problem(
+        FieldProblem(
             f"shakers[{place - 1}].{field}", f"found {value_in_message(value)}, which another shaker has", "each once"
         )
         for place, value in enumerate(values)

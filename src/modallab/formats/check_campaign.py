@@ -30,7 +30,7 @@ def check_structure(campaign: Campaign) -> None:
     for frf in campaign.frfs:
         with errors:
             _check_outputs(frf, campaign.rig, campaign.source)
-    errors.done()
+    errors.raise_collected()
 
 
 def check_recordings(campaign: Campaign) -> None:
@@ -48,7 +48,7 @@ def check_recordings(campaign: Campaign) -> None:
         with empty:
             check_signals(block.samples, block.channels, _place_of(campaign, block), force=force)
     if len(empty.errors) == len(campaign.blocks):
-        empty.done()
+        empty.raise_collected()
 
 
 def check_values(campaign: Campaign) -> None:
@@ -64,7 +64,7 @@ def check_values(campaign: Campaign) -> None:
     for frf in campaign.frfs:
         with errors:
             check_frf(frf.frequency_hz, frf.values, frf.outputs, campaign.source, even=False)
-    errors.done()
+    errors.raise_collected()
 
 
 def _place_of(campaign: Campaign, block: Block) -> str:

@@ -67,7 +67,7 @@ def import_sources(
             read = _read(path, rig, own)
             held |= {name for frf in read.frfs for name in frf.outputs} if sniff(path).name != "hdf5" else set()
             parts.append(_driven_at(_windowed(_checked(_living(read)), own), own))
-    errors.done()
+    errors.raise_collected()
     if held:
         _require_outputs(held, [c.name for c in rig.responses if each[0].takes(c.name)], ", ".join(map(str, paths)))
     blocks = _in_order([block for part in parts for block in part.blocks])

@@ -153,7 +153,8 @@ def impact_frf(
     n, rate = first.force.size, first.rate_hz
     chosen = lines_of_band(n, rate, band_hz)
     found = [
-        reduce(PowerSums.plus, (hit_sums(s, chosen, damping_shift) for s in group)).frf(estimator) for group in groups
+        reduce(PowerSums.with_more, (hit_sums(s, chosen, damping_shift) for s in group)).frf(estimator)
+        for group in groups
     ]
     return Frf(
         frequency_hz=chosen * rate / n,

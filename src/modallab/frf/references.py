@@ -21,7 +21,7 @@ ALIKE = 1e10
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Estimate:
+class EstimatedFrf:
     """FRFs and what is known of their error.
 
     Attributes:
@@ -36,7 +36,7 @@ class Estimate:
     variance: Real
     freedom: float
 
-    def radius(self, level: float = 0.95) -> Real:
+    def confidence_radius(self, level: float = 0.95) -> Real:
         """(outputs, inputs, lines) radius of the circle about each value that holds the true one with this probability.
 
         |H - H_true|^2 / variance follows F with 2 and `freedom` degrees of freedom.
@@ -51,7 +51,7 @@ class Estimate:
 
 def estimate_frf(
     force: Complex128, response: Complex128, estimator: Estimator = "H1", averages: float | None = None
-) -> Estimate:
+) -> EstimatedFrf:
     """FRFs of all responses to all forces from spectra of several blocks.
 
     Args:
@@ -83,7 +83,7 @@ def estimate_frf(
     variance = noise[:, :, None] * np.einsum("lii->li", inverse).real[:, None, :] / independent
     value = h1 if estimator == "H1" else _h2(y, yf) if estimator == "H2" else _hv(ff, yf, power)
     by_line = scale_y[:, None] / scale_f
-    return Estimate(
+    return EstimatedFrf(
         np.moveaxis(value, 0, -1) * by_line[..., None],
         coherence.T,
         np.moveaxis(variance, 0, -1) * by_line[..., None] ** 2,

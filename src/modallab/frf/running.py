@@ -38,7 +38,7 @@ class RunningFrf:
         """The points struck so far, in the order in which they came."""
         return tuple(self._sums)
 
-    def add(self, hit: Signals) -> Self:
+    def add_hit(self, hit: Signals) -> Self:
         """Add a hit.
 
         Raises:
@@ -53,10 +53,10 @@ class RunningFrf:
             )
         point = hit.block.drive_point
         own = hit_sums(hit, self._lines)
-        self._sums[point] = self._sums[point].plus(own) if point in self._sums else own
+        self._sums[point] = self._sums[point].with_more(own) if point in self._sums else own
         return self
 
-    def forget(self, point: int | None) -> None:
+    def remove_point(self, point: int | None) -> None:
         """Take all hits of a point out, to add those that still count again."""
         self._sums.pop(point, None)
 

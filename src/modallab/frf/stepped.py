@@ -19,7 +19,7 @@ CLOCKS = 0.1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Line:
+class SineLine:
     """What one sine block gives to an FRF: the complex amplitudes of its sine.
 
     Attributes:
@@ -37,7 +37,7 @@ class Line:
     point: int | None
 
 
-def line_of(signals: Signals, rig: Rig) -> Line:
+def line_of(signals: Signals, rig: Rig) -> SineLine:
     """The line of a block, by a sine fit at the force's own frequency.
 
     The decay that may still be in a block is not taken off: this is what the block shows.
@@ -51,7 +51,7 @@ def line_of(signals: Signals, rig: Rig) -> Line:
     tone = signals.tone
     response = fit_at(signals.responses, signals.rate_hz, tone.frequency_hz).amplitude
     set_to = float(signals.block.frequency_hz or tone.frequency_hz)
-    return Line(set_to, tone.frequency_hz, complex(tone.amplitude[0]), response, signals.block.drive_point)
+    return SineLine(set_to, tone.frequency_hz, complex(tone.amplitude[0]), response, signals.block.drive_point)
 
 
 def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
@@ -69,7 +69,7 @@ def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
     return frf_of_lines([line_of(item, rig) for item in signals], rig)
 
 
-def frf_of_lines(lines: Sequence[Line], rig: Rig) -> Frf:
+def frf_of_lines(lines: Sequence[SineLine], rig: Rig) -> Frf:
     """FRF of sine blocks that were looked at one by one; those of one frequency are averaged as H1.
 
     Raises:
@@ -79,7 +79,7 @@ def frf_of_lines(lines: Sequence[Line], rig: Rig) -> Frf:
     if len(points) != 1:
         found = f"the sine blocks are driven at points {', '.join(sorted(map(str, points))) or 'none'}"
         raise DataError(found, remedy="give the blocks of one drive point")
-    at: dict[float, list[Line]] = {}
+    at: dict[float, list[SineLine]] = {}
     for line in sorted(lines, key=lambda one: one.requested_hz):
         at.setdefault(line.requested_hz, []).append(line)
     values = [

@@ -45,9 +45,9 @@ class PowerSums:
         check_spectra(force[:, None], response)
         # Block by block: a sum over an axis would copy what is the largest array of a run.
         each = (cls(_power(f), _power(y), np.conj(f) * y, 1) for f, y in zip(force, response, strict=True))
-        return reduce(cls.plus, each)
+        return reduce(cls.with_more, each)
 
-    def plus(self, other: Self) -> Self:
+    def with_more(self, other: Self) -> Self:
         """Of the blocks of both."""
         return type(self)(
             self.force + other.force,

@@ -14,8 +14,8 @@ from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
 from modallab.core.errors import DatabaseLostError, JobError, ModallabError
-from modallab.jobs.job import ComputationResult, Kind, Notify
-from modallab.jobs.leases import LeasedJob, Leases
+from modallab.jobs.job import ComputationResult, JobDefinition, ProgressCallback
+from modallab.jobs.leases import JobLeases, LeasedJob
 
 TOPIC = "modallab-progress"
 """Under which workers report to the runner how far they are."""
@@ -26,7 +26,7 @@ STAGE = 100
 Verdict = Literal["done", "failed", "interrupted"]
 
 
-class Interrupted(BaseException):
+class JobInterrupted(BaseException):
     """The job was cancelled or took too long. No `Exception`: a computation that catches all does not catch this."""
 
 
@@ -59,7 +59,7 @@ class _Running:
         with self._lock:
             thread = self._threads.pop(attempt, None)
             if thread is not None:
-                _raise_in(thread, Interrupted)
+                _raise_in(thread, JobInterrupted)
         return thread is not None
 
 
@@ -81,7 +81,7 @@ async def interrupt_computation(attempt: str) -> bool:
 
 
 def compute_attempt(
-    attempt: str, work: Callable[[Any, Notify], ComputationResult], payload: Any
+    attempt: str, work: Callable[[Any, ProgressCallback], ComputationResult], payload: Any
 ) -> tuple[Verdict, ComputationResult | str]:
     """Run one computation on a worker. What it raises is its result: only the loss of a worker is an error to Dask."""
     try:
@@ -90,7 +90,7 @@ def compute_attempt(
             return "done", work(payload, _progress_notifier(attempt))
         finally:
             _RUNNING.leave(attempt)
-    except Interrupted:
+    except JobInterrupted:
         return "interrupted", ""
     except ModallabError as error:
         return "failed", str(error)
@@ -99,7 +99,7 @@ def compute_attempt(
         return "failed", f"{type(error).__name__}: {error}"
 
 
-def _progress_notifier(attempt: str) -> Notify:
+def _progress_notifier(attempt: str) -> ProgressCallback:
     worker = get_worker()
     last = -_NOTIFY_EVERY_S
 
@@ -119,10 +119,10 @@ MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSE
 AGAIN_S = 0.5
 
 
-class Attempt:
+class JobAttempt:
     """A job while this runner holds it. `progress` and `stage` are what its worker last said."""
 
-    def __init__(self, taken: LeasedJob, kind: Kind, leases: Leases, client: Client) -> None:
+    def __init__(self, taken: LeasedJob, kind: JobDefinition, leases: JobLeases, client: Client) -> None:
         self.taken = taken
         self.progress, self.stage = 0.0, ""
         self._kind = kind
@@ -160,7 +160,7 @@ class Attempt:
             raise JobError("the valid blocks have changed since the order", where=job.id, remedy="order it again")
         return payload
 
-    def abandon(self) -> None:
+    def give_back(self) -> None:
         """The runner stops, or its scheduler is gone: give the job back."""
         self._abandoned.set()
         self.interrupt()
@@ -171,7 +171,7 @@ class Attempt:
             self._interrupted = True
         if self._future is None or self._client.status != "running":
             return
-        self._client.run(interrupt_computation, self.taken.attempt, wait=False, on_error="ignore")
+        self._client.run(interrupt_computation, self.taken.attempt_name, wait=False, on_error="ignore")
         self._future.cancel(force=True, msg="interrupted")
 
     def _compute(self, payload: Any) -> None:
@@ -192,7 +192,7 @@ class Attempt:
             self._without_result(None)
 
     def _ask(self, payload: Any) -> tuple[str, ComputationResult | str]:
-        name = self.taken.attempt
+        name = self.taken.attempt_name
         with self._lock:
             if self._interrupted:
                 return "interrupted", ""
@@ -216,16 +216,16 @@ class Attempt:
 
     def _keep(self, computed: ComputationResult) -> None:
         try:
-            result = self._kind.keep(self.taken.attempt, computed)
+            result = self._kind.keep(self.taken.attempt_name, computed)
         except ModallabError as error:
             self._fail(str(error))
         except Exception as error:
             self._fail(f"{type(error).__name__}: {error}")
         else:
-            self._commit(lambda: self._leases.done(self.taken, result))
+            self._commit(lambda: self._leases.complete(self.taken, result))
 
     def _fail(self, error: str) -> None:
-        self._commit(lambda: self._leases.failed(self.taken, error))
+        self._commit(lambda: self._leases.fail(self.taken, error))
 
     def _give_back(self, why: str, *, counts: bool) -> None:
         self._commit(lambda: self._leases.give_back(self.taken, why, counts=counts))

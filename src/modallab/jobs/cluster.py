@@ -138,7 +138,7 @@ _CONFIG = {
 }
 
 
-class Cluster:
+class DaskCluster:
     """A client of a scheduler, and the scheduler and its workers too if they are this machine's own."""
 
     def __init__(self, client: Client, own: SpecCluster | None = None, requested: int = 0) -> None:
@@ -163,12 +163,12 @@ class Cluster:
         return cls(Client(own, timeout=CONNECT_S, set_as_default=False), own, workers)
 
     @property
-    def alive(self) -> bool:
+    def is_alive(self) -> bool:
         """Whether the scheduler is there, as far as is known without asking it."""
         return self.client.status == "running" and (self._own is None or _process_of_cluster(self._own).pid is not None)
 
     @property
-    def threads(self) -> int:
+    def thread_count(self) -> int:
         """Computations that can go on at the same time; 0 while there is no worker.
 
         Raises:
@@ -178,7 +178,7 @@ class Cluster:
         return sum(workers.values())
 
     @property
-    def busy(self) -> frozenset[str]:
+    def running_tasks(self) -> frozenset[str]:
         """Tasks of all runners that are at the workers.
 
         Raises:
@@ -201,7 +201,7 @@ class Cluster:
 
         Dask replaces a worker that dies, but not one that dies the moment it has come up.
         """
-        threads = self.threads
+        threads = self.thread_count
         if threads >= self._requested:
             self._whole = time.monotonic()
         return (idle or threads == 0) and time.monotonic() - self._whole > MEND_S
@@ -233,7 +233,7 @@ class Cluster:
             if scheduler is None:
                 raise SchedulerLostError("the scheduler ended")
             return call_in_client_loop(
-                self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s
+                self.client, getattr(scheduler, what)(workers=None), lambda: self.is_alive, self.patience_s
             )
         except SchedulerLostError:
             if self._own is not None:

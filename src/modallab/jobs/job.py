@@ -26,7 +26,7 @@ class Job(JobView):
     revision: str = ""
 
     @property
-    def ended(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether its state is for good."""
         return self.state not in OPEN
 
@@ -56,7 +56,7 @@ def job_key(kind: str, parameters: dict[str, Any], inputs: Sequence[str], revisi
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-class Notify(Protocol):
+class ProgressCallback(Protocol):
     """How a computation says how far it is. Raises `Interrupted` where the job was cancelled meanwhile."""
 
     def __call__(self, fraction: float, stage: str = "", /) -> None:
@@ -78,7 +78,7 @@ class ComputationResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class JobDefinition:
     """One kind of job.
 
     `load` and `keep` run beside the runner, where the data are. `compute` runs on a worker, which has neither files nor
@@ -98,7 +98,7 @@ class Kind:
 
     name: str
     load: Callable[[dict[str, JsonValue], tuple[str, ...]], Any]
-    compute: Callable[[Any, Notify], ComputationResult]
+    compute: Callable[[Any, ProgressCallback], ComputationResult]
     keep: Callable[[str, ComputationResult], JsonValue]
     limit_s: float = 3600.0
     revision: Callable[[tuple[str, ...]], str] = lambda _: ""

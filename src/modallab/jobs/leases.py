@@ -56,12 +56,12 @@ class LeasedJob:
     fence: int
 
     @property
-    def attempt(self) -> str:
+    def attempt_name(self) -> str:
         """A name no other attempt has, of any job."""
         return f"{self.job.id}.{self.fence}"
 
 
-class Leases:
+class JobLeases:
     """Jobs of one owner. A job whose holder gave no sign for `lease_s`, as seen from here, is open.
 
     Every method raises StorageError where the table cannot be used, DatabaseLostError where its server is gone.
@@ -73,12 +73,12 @@ class Leases:
         self.lease_s = lease_s
         self._watch = MarkWatch(lease_s)
 
-    def any_free(self) -> bool:
+    def has_open_job(self) -> bool:
         """Whether a job waits or its owner is gone; takes no lock, and counts time without a sign as `take` does."""
         waiting, timed_out = self._look()
         return waiting or bool(timed_out)
 
-    def take(self, kinds: Collection[str], limit: int) -> list[LeasedJob]:
+    def lease_jobs(self, kinds: Collection[str], limit: int) -> list[LeasedJob]:
         """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
@@ -114,11 +114,11 @@ class Leases:
                     lost.add(job)
         return lost
 
-    def done(self, taken: LeasedJob, result: JsonValue) -> bool:
+    def complete(self, taken: LeasedJob, result: JsonValue) -> bool:
         """Commit a result; False if the job was cancelled or taken by another meanwhile, and nothing was written."""
         return self._end(taken, state="done", progress=1.0, stage="", result=result)
 
-    def failed(self, taken: LeasedJob, error: str) -> bool:
+    def fail(self, taken: LeasedJob, error: str) -> bool:
         """Commit a failure that would come again; False as for `done`."""
         return self._end(taken, state="failed", error=error)
 
@@ -132,7 +132,7 @@ class Leases:
         """
         attempts = taken.job.attempts if counts else taken.job.attempts - 1
         if attempts >= MAX_ATTEMPTS:
-            return self.failed(taken, _gave_up(attempts, why))
+            return self.fail(taken, _gave_up(attempts, why))
         with self._writing() as connection:
             back = {"state": "queued", "owner": "", "progress": 0.0, "stage": "", "attempts": attempts}
             return self._change(connection, taken.job.id, taken.fence, **back)

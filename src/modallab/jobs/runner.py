@@ -11,11 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
 
 from modallab.core.errors import StorageError
-from modallab.jobs.attempt import TOPIC, Attempt
-from modallab.jobs.cluster import Cluster, TlsFiles, check_address, default_workers
-from modallab.jobs.job import Kind
+from modallab.jobs.attempt import TOPIC, JobAttempt
+from modallab.jobs.cluster import DaskCluster, TlsFiles, check_address, default_workers
+from modallab.jobs.job import JobDefinition
 from modallab.jobs.jobs import Jobs
-from modallab.jobs.leases import LEASE_S, LeasedJob, Leases
+from modallab.jobs.leases import LEASE_S, JobLeases, LeasedJob
 
 Status = Literal["stopped", "connecting", "running"]
 
@@ -25,13 +25,13 @@ CLUSTER_S = 1.0
 _LOG = logging.getLogger(__name__)
 
 
-class Runner:
+class JobRunner:
     """Computes jobs until it is stopped. Any number of runners share one table, each by a name of its own: `owner`."""
 
     def __init__(
         self,
         jobs: Jobs,
-        kinds: Iterable[Kind],
+        kinds: Iterable[JobDefinition],
         scheduler: str | None = None,
         *,
         tls: TlsFiles | None = None,
@@ -58,12 +58,12 @@ class Runner:
         self._kinds = {kind.name: kind for kind in kinds}
         self._address = (scheduler, tls, workers or default_workers())
         self.owner = f"{socket.gethostname()[:32]}-{os.getpid()}-{secrets.token_hex(4)}"
-        self._leases = Leases(jobs.engine, self.owner, lease_s)
-        self._attempts: dict[str, Attempt] = {}
+        self._leases = JobLeases(jobs.engine, self.owner, lease_s)
+        self._attempts: dict[str, JobAttempt] = {}
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
-        self._cluster: Cluster | None = None
+        self._cluster: DaskCluster | None = None
         self._ask_next_s = 0.0
         self.status: Status = "stopped"
         self.trouble = ""
@@ -103,7 +103,7 @@ class Runner:
     def _serve(self) -> None:
         while not self._stop.is_set():
             try:
-                with Cluster.connect(*self._address) as cluster:
+                with DaskCluster.connect(*self._address) as cluster:
                     self._compute_on(cluster)
             except Exception as error:
                 # Whatever Dask met, jobs must go on once it is corrected.
@@ -112,40 +112,40 @@ class Runner:
                 self._stop.wait(1.0)
             self.status, self._cluster = "connecting", None
 
-    def _compute_on(self, cluster: Cluster) -> None:
+    def _compute_on(self, cluster: DaskCluster) -> None:
         self.status, self.trouble, self._cluster = "running", "", cluster
         cluster.client.subscribe_topic(TOPIC, self._note)
         with ThreadPoolExecutor(thread_name_prefix="job") as pool:
             try:
-                while cluster.alive and not self._stop.wait(POLL_S) and not self._is_worn(cluster):
+                while cluster.is_alive and not self._stop.wait(POLL_S) and not self._is_worn(cluster):
                     for taken in self._take(cluster):
                         pool.submit(self._run, taken, cluster)
             finally:
                 for attempt in self._going_on():
-                    attempt.abandon()
+                    attempt.give_back()
 
-    def _is_worn(self, cluster: Cluster) -> bool:
+    def _is_worn(self, cluster: DaskCluster) -> bool:
         if time.monotonic() < self._ask_next_s:
             return False
         self._ask_next_s = time.monotonic() + CLUSTER_S
         return cluster.needs_restart(not self._attempts)
 
-    def _take(self, cluster: Cluster) -> list[LeasedJob]:
+    def _take(self, cluster: DaskCluster) -> list[LeasedJob]:
         try:
-            if not self._leases.any_free():
+            if not self._leases.has_open_job():
                 return []
             # Never more than can go on at once: a task that waits at a worker shares the blame when it dies.
-            room = cluster.threads - len(cluster.busy | self._attempts.keys())
-            return self._leases.take(self._kinds, room)
+            room = cluster.thread_count - len(cluster.running_tasks | self._attempts.keys())
+            return self._leases.lease_jobs(self._kinds, room)
         except StorageError as error:
             self.trouble = str(error)
             _LOG.warning("the table of jobs: %s", error)
             return []
 
-    def _run(self, taken: LeasedJob, cluster: Cluster) -> None:
-        attempt = Attempt(taken, self._kinds[taken.job.kind], self._leases, cluster.client)
+    def _run(self, taken: LeasedJob, cluster: DaskCluster) -> None:
+        attempt = JobAttempt(taken, self._kinds[taken.job.kind], self._leases, cluster.client)
         with self._lock:
-            self._attempts[taken.attempt] = attempt
+            self._attempts[taken.attempt_name] = attempt
         try:
             attempt.run()
         except StorageError as error:
@@ -153,7 +153,7 @@ class Runner:
             _LOG.warning("job %s: %s", taken.job.id, error)
         finally:
             with self._lock:
-                del self._attempts[taken.attempt]
+                del self._attempts[taken.attempt_name]
 
     def _hold(self) -> None:
         while not self._stop.wait(min(self._leases.lease_s / 5, 1.0)):
@@ -167,7 +167,7 @@ class Runner:
                 # This thread must outlive whatever database or scheduler do: without it every lease runs out.
                 _LOG.warning("leases were not renewed: %s", error)
 
-    def _going_on(self) -> list[Attempt]:
+    def _going_on(self) -> list[JobAttempt]:
         with self._lock:
             return list(self._attempts.values())
 

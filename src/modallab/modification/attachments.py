@@ -55,7 +55,7 @@ class AttachedPart(Protocol):
         ...
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """What it is, in a few words."""
         ...
 
@@ -66,8 +66,8 @@ NO_CONSTRAINT: Real = np.zeros((0, 1))
 
 def _motion_between(structure: Structure, at: At, to: At | None) -> Real:
     """(freedoms, 1) motion at a place, over that at another one if there is one."""
-    one = structure.columns([at])
-    return one if to is None else one - structure.columns([to])
+    one = structure.unit_vectors([at])
+    return one if to is None else one - structure.unit_vectors([to])
 
 
 def _finite_number(value: float, name: str, unit: str) -> None:
@@ -127,7 +127,7 @@ class Element:
         return AttachmentMatrices(mass, damping, stiffness, NO_CONSTRAINT)
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """As of `AttachedPart`."""
         parts = [
             f"{word} {value:.4g} {unit}"
@@ -181,7 +181,7 @@ class TunedAbsorber:
 
     def links(self, structure: Structure) -> Real:
         """As of `AttachedPart`."""
-        return structure.columns([self.at])
+        return structure.unit_vectors([self.at])
 
     def compliance(self, s: Complex) -> Complex:
         """A mass in series with spring and damper."""
@@ -199,7 +199,7 @@ class TunedAbsorber:
         return AttachmentMatrices(np.diag([0.0, self.mass]), self.damper * both, self.spring * both, np.zeros((0, 2)))
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """As of `AttachedPart`."""
         own = f"absorber {self.mass:.4g} kg, {self.frequency_hz:.5g} Hz, {100 * self.damping_ratio:.3g} %"
         return f"{own} at {self.at}"
@@ -237,7 +237,7 @@ class RigidLink:
         return AttachmentMatrices(none, none, none, np.ones((1, 1)))
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """As of `AttachedPart`."""
         return f"ground at {self.at}" if self.to is None else f"rigid link {self.at} to {self.to}"
 

@@ -38,20 +38,20 @@ class CouplingToStructure:
         """
         if not self.pairs:
             raise DataError("no pair of points is given", remedy="give pairs=[(point of one, point of the other)]")
-        object.__setattr__(self, "own", self.other.columns([of for _, of in self.pairs]))
+        object.__setattr__(self, "own", self.other.unit_vectors([of for _, of in self.pairs]))
 
     def links(self, structure: Structure) -> Real:
         """As of `AttachedPart`."""
-        return structure.columns([at for at, _ in self.pairs])
+        return structure.unit_vectors([at for at, _ in self.pairs])
 
     def compliance(self, s: Complex) -> Complex:
         """Of the other structure at its points, with the joints'."""
         joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
         return self.sign * self.other.receptance(s, self.own, self.own) + joint
 
-    def sampled(self, count: int) -> "CouplingToStructure":
+    def with_samples(self, count: int) -> "CouplingToStructure":
         """The same with samples of the other structure."""
-        return self if self.samples is None else replace(self, other=self.samples.first(count))
+        return self if self.samples is None else replace(self, other=self.samples.first_samples(count))
 
     @property
     def measured_part(self) -> bool:
@@ -77,7 +77,7 @@ class CouplingToStructure:
         return AttachmentMatrices(mass, damping, stiffness + self.joint_spring * apart.T @ apart, apart[:0])
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """As of `AttachedPart`."""
         how = "taken away" if self.sign < 0 else "coupled"
         return f"structure {how} at " + ", ".join(f"{a}={b}" for a, b in self.pairs)

@@ -125,7 +125,7 @@ def frf_between(
     hz = frequencies_of(f)
     if quantity not in DERIVATIVES:
         raise DataError(f"no FRF is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVES)}")
-    left, right, s = structure.columns(outputs), structure.columns(inputs), np.asarray(2j * np.pi * hz)
+    left, right, s = structure.unit_vectors(outputs), structure.unit_vectors(inputs), np.asarray(2j * np.pi * hz)
     factor = (s ** DERIVATIVES[quantity])[:, None, None]
     values = np.moveaxis(now.receptance(s, left, right) * factor, 0, -1)
     variance = None

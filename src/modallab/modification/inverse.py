@@ -174,7 +174,7 @@ def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> Best
     def peaks(one: KnownStructure) -> Real:
         return np.array([_largest_peak(one, changes, f, at) for changes in ([], [best])])
 
-    return BestAbsorber(best, ratio, *peaks(known).tolist(), *known.deviation(peaks).tolist())
+    return BestAbsorber(best, ratio, *peaks(known).tolist(), *known.standard_deviation(peaks).tolist())
 
 
 def _mass_ratio(known: KnownStructure, mode: int, at: At, mass: float) -> tuple[float, float]:
@@ -187,7 +187,7 @@ def _mass_ratio(known: KnownStructure, mode: int, at: At, mass: float) -> tuple[
 
 
 def _largest_peak(known: KnownStructure, changes: Sequence[AttachedPart], f: Real, at: At) -> float:
-    b = known.structure.columns([at])
+    b = known.structure.unit_vectors([at])
     s = np.asarray(2j * np.pi * f)
     return float(np.max(np.abs(s * StructureWithAttachments.of(known.structure, changes).receptance(s, b, b)[:, 0, 0])))
 

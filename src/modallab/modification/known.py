@@ -15,7 +15,7 @@ from modallab.modification.attachments import AttachedPart
 from modallab.modification.coupled import CouplingToStructure, conditioning_of
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import MeasuredPairs, frf_between
-from modallab.modification.modified import ModesAfter, modified_modes, residues_of
+from modallab.modification.modified import ModifiedModes, modified_modes, residues_of
 from modallab.modification.poles import StructureWithAttachments
 from modallab.modification.remainder import remainder_of_structure
 from modallab.modification.response import Between, ModesAtPlaces, modal_states, motion_of_modes
@@ -71,7 +71,7 @@ class KnownStructure:
         """(outputs,) where motion was measured."""
         return self._measured.freedoms[: len(self.model.outputs)]
 
-    def between(self, outputs: Sequence[At], inputs: Sequence[At]) -> Structure:
+    def measured_pairs(self, outputs: Sequence[At], inputs: Sequence[At]) -> Structure:
         """The structure, for use at pairs of points.
 
         Raises:
@@ -99,28 +99,30 @@ class KnownStructure:
         return samples_of(self.model, self.rig)
 
     @cached_property
-    def attached(self) -> StructureWithAttachments:
+    def structure_with_parts(self) -> StructureWithAttachments:
         """With what hangs on it."""
         return StructureWithAttachments.of(self.structure, self.changes)
 
     @cached_property
-    def modes(self) -> ModesAfter:
+    def modes(self) -> ModifiedModes:
         """The modes with what hangs on it."""
-        return modified_modes(self.structure, self.changes, self.samples, self.alone.structure if self.taken else None)
+        return modified_modes(
+            self.structure, self.changes, self.samples, self.without_parts.structure if self.taken else None
+        )
 
     @cached_property
     def conditioning(self) -> float | None:
         """By which factor errors at the worst joint to another structure grow; None without one."""
         parts = [change for change in (*self.taken, *self.changes) if isinstance(change, CouplingToStructure)]
-        return max((conditioning_of(self.alone.structure, part) for part in parts), default=None)
+        return max((conditioning_of(self.without_parts.structure, part) for part in parts), default=None)
 
     @property
-    def words(self) -> tuple[str, ...]:
+    def descriptions(self) -> tuple[str, ...]:
         """What was changed, each in a few words."""
-        return tuple(change.words for change in (*self.taken, *self.changes))
+        return tuple(change.description for change in (*self.taken, *self.changes))
 
     @property
-    def alone(self) -> "KnownStructure":
+    def without_parts(self) -> "KnownStructure":
         """Without what hangs on it."""
         return KnownStructure(self.model, self.rig)
 
@@ -145,7 +147,7 @@ class KnownStructure:
         more._measured, more.taken, more.__dict__["samples"] = self._measured, self.taken, self.samples
         for part in away:
             more._take(part)
-        _ = more.attached
+        _ = more.structure_with_parts
         return more
 
     def _take(self, part: CouplingToStructure) -> None:
@@ -180,17 +182,17 @@ class KnownStructure:
         freedoms = self._measured.freedoms
         left = self.sensors if outputs is None else outputs
         right = [freedoms[c] for c in places_of(self.model, self._measured)[1]] if inputs is None else inputs
-        structure = self.between(left, right)
+        structure = self.measured_pairs(left, right)
         varied = None
         if sigma:
-            few = self.samples.first(FRF_SAMPLES)
-            varied = self.attached.sampled(few) if self.changes else few
+            few = self.samples.first_samples(FRF_SAMPLES)
+            varied = self.structure_with_parts.with_samples(few) if self.changes else few
         return frf_between(structure, self._now, varied, f, left, right, quantity)
 
     @cached_property
     def _now(self) -> Receptances:
         if self.changes:
-            return self.attached
+            return self.structure_with_parts
         return self._measured if self.taken else MeasuredPairs.of(self.model, self._measured)
 
     def response(
@@ -221,7 +223,7 @@ class KnownStructure:
         modes = self._modes_at(of, at)
         return motion_of_modes(modes, force, dt, quantity, between, None if start is None else self._started(start))
 
-    def deviation(self, of: Callable[["KnownStructure"], Real]) -> Real:
+    def standard_deviation(self, of: Callable[["KnownStructure"], Real]) -> Real:
         """Standard deviation of what is computed of a structure, over those that the model leaves possible.
 
         Args:
@@ -230,12 +232,12 @@ class KnownStructure:
         Raises:
             DataError: as what is computed.
         """
-        few = self.samples.first(FRF_SAMPLES)
-        first = np.asarray(of(self._sampled(few.one(0))), np.float64)
+        few = self.samples.first_samples(FRF_SAMPLES)
+        first = np.asarray(of(self._sampled(few.one_sample(0))), np.float64)
         total, squares = np.zeros_like(first), np.zeros_like(first)
         # About the first of them: their own size would hide how little they differ.
         for k in range(1, len(few.poles)):
-            off = of(self._sampled(few.one(k))) - first
+            off = of(self._sampled(few.one_sample(k))) - first
             total += off
             squares += off**2
         n = len(few.poles)
@@ -251,9 +253,9 @@ class KnownStructure:
         return one
 
     def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> ModesAtPlaces:
-        structure = self.between(of, at)
+        structure = self.measured_pairs(of, at)
         poles, psi = self._poles_and_shapes
-        left, right = structure.columns(of), structure.columns(at)
+        left, right = structure.unit_vectors(of), structure.unit_vectors(at)
         return ModesAtPlaces(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
 
     def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> StateSpaceModel:
@@ -284,9 +286,9 @@ class KnownStructure:
 
     @cached_property
     def _poles_and_shapes(self) -> tuple[Complex, Complex]:
-        return self.poles, residues_of(self.attached, self.poles) if self.changes else self._measured.psi
+        return self.poles, residues_of(self.structure_with_parts, self.poles) if self.changes else self._measured.psi
 
     def _started(self, start: dict[Quantity, dict[At, float]]) -> Complex:
         poles, psi = self._poles_and_shapes
-        at = {name: psi @ self.structure.columns(list(values)) for name, values in start.items()}
+        at = {name: psi @ self.structure.unit_vectors(list(values)) for name, values in start.items()}
         return modal_states(at, poles, {name: np.array(list(values.values())) for name, values in start.items()})

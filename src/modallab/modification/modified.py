@@ -19,7 +19,7 @@ RADIUS = 1e-3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ModesAfter:
+class ModifiedModes:
     """Modes of a structure after a change, within the band of its model.
 
     Attributes:
@@ -51,7 +51,7 @@ def modified_modes(
     changes: Sequence[AttachedPart],
     samples: Structure | None = None,
     before: Structure | None = None,
-) -> ModesAfter:
+) -> ModifiedModes:
     """The modes of a structure with changes.
 
     Args:
@@ -73,10 +73,10 @@ def modified_modes(
     hz, zeta = size / (2 * np.pi), -poles.real / size
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
-        sigma = _relative_deviations(attached.sampled(samples), poles)
+        sigma = _relative_deviations(attached.with_samples(samples), poles)
         if all(getattr(change, "damper", 0.0) >= 0 for change in changes):
             zeta, sigma[1] = passive_damping(zeta, sigma[1])
-    return ModesAfter(
+    return ModifiedModes(
         frequency_hz=hz,
         damping_ratio=zeta,
         frequency_sigma_hz=sigma[0] * hz,

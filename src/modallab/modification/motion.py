@@ -139,7 +139,7 @@ class MotionOverTime:
         return cls(
             move(known), dt, tuple(asked), quantity, known.model.band_hz,
             _power_outside(forces, dt, known.model.band_hz),
-            lambda figure: known.deviation(lambda one: figure(move(one))),
+            lambda figure: known.standard_deviation(lambda one: figure(move(one))),
         )  # fmt: skip
 
     @cached_property

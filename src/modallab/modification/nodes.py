@@ -39,7 +39,7 @@ class NodeOnLine:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ModePlaces:
+class AntinodesAndNodes:
     """How much each freedom moves in each mode.
 
     Attributes:
@@ -67,14 +67,14 @@ class ModePlaces:
         return tuple(tuple(f for f, m in zip(self.freedoms, row, strict=True) if m < NEAR_NODE) for row in self.motion)
 
     @property
-    def best(self) -> tuple[Freedom, float]:
+    def best_freedom(self) -> tuple[Freedom, float]:
         """The freedom at which the mode that moves least still moves most, and that motion."""
         least = self.motion.min(axis=0)
         n = int(np.argmax(least))
         return self.freedoms[n], float(least[n])
 
 
-def places_of_modes(structure: Structure, samples: Structure, model: ModalModel, rig: Rig | None) -> ModePlaces:
+def places_of_modes(structure: Structure, samples: Structure, model: ModalModel, rig: Rig | None) -> AntinodesAndNodes:
     """Where each mode moves, and where not.
 
     Args:
@@ -86,7 +86,7 @@ def places_of_modes(structure: Structure, samples: Structure, model: ModalModel,
     motion, varied = (_over_largest(np.abs(s.psi)) for s in (structure, samples))
     crossings = () if rig is None else tuple(_nodes_on_line(structure, samples, model, rig))
     hz = np.asarray(np.abs(structure.poles) / (2 * np.pi))
-    return ModePlaces(hz, structure.freedoms, motion, np.std(varied, axis=0), crossings)
+    return AntinodesAndNodes(hz, structure.freedoms, motion, np.std(varied, axis=0), crossings)
 
 
 def _over_largest(size: Real) -> Real:

@@ -69,7 +69,7 @@ def modal_participation(
     Raises:
         DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
     """
-    structure, samples = known.between([of], [at]), known.samples.first(FRF_SAMPLES)
+    structure, samples = known.measured_pairs([of], [at]), known.samples.first_samples(FRF_SAMPLES)
     if quantity not in DERIVATIVE:
         raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVE)}")
     if band_hz is not None and after_s is not None:

@@ -88,10 +88,10 @@ class StructureWithAttachments(Receptances):
         """The same attachments on another structure."""
         return replace(self, structure=structure)
 
-    def sampled(self, samples: Structure) -> "StructureWithAttachments":
+    def with_samples(self, samples: Structure) -> "StructureWithAttachments":
         """Samples (samples, ...) of the structure, and of those that are coupled to it."""
         count = len(samples.poles)
-        varied = tuple(a.sampled(count) if isinstance(a, CouplingToStructure) else a for a in self.attachments)
+        varied = tuple(a.with_samples(count) if isinstance(a, CouplingToStructure) else a for a in self.attachments)
         return replace(self, structure=samples, attachments=varied)
 
 

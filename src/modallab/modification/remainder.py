@@ -119,7 +119,7 @@ def _fit_remainder(
     """The rest by values and samples of what they are off by."""
     # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
     fit = CommonPoleFit(s, values, CorrelatedErrors.of(off[::2], values))
-    return fit.rest(fit.poles(start, within), within, both, at, off[1::2])
+    return fit.structure_with_samples(fit.poles(start, within), within, both, at, off[1::2])
 
 
 def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
@@ -217,7 +217,9 @@ class CommonPoleFit:
         double = np.concatenate([up, up]), np.concatenate([down, down])
         return double[0] * along[:, None, None] + double[1] * along.conj()[:, None, None]
 
-    def rest(self, poles: Complex, within: Real, both: Structure, at: Real, off: Complex) -> "Remainder":
+    def structure_with_samples(
+        self, poles: Complex, within: Real, both: Structure, at: Real, off: Complex
+    ) -> "Remainder":
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
         x = _numbers_of_poles(poles)
@@ -230,7 +232,7 @@ class CommonPoleFit:
         varied = np.array([_poles_of_numbers(one) for one in np.clip(x + moved[:, found.size :], *_bounds(within))])
         highest = float(np.abs(self.s).max())
         return Remainder(
-            _samples_of_structure(both, at, poles[None], found[None], highest).one(0),
+            _samples_of_structure(both, at, poles[None], found[None], highest).one_sample(0),
             _samples_of_structure(both, at, varied, linear.reshape(-1, *found.shape), highest),
         )
 

@@ -115,15 +115,15 @@ class Structure(Receptances):
         rows, columns = ([self.index(a) for a in places] for places in (outputs, inputs))
         return self if self.known[np.ix_(rows, columns)].all() else self.with_scale
 
-    def columns(self, at: Sequence[At]) -> Real:
+    def unit_vectors(self, at: Sequence[At]) -> Real:
         """(freedoms, places) unit vectors at places."""
         return np.asarray(np.eye(len(self.freedoms))[:, [self.index(a) for a in at]], np.float64)
 
-    def first(self, count: int) -> "Structure":
+    def first_samples(self, count: int) -> "Structure":
         """Of samples of a structure the first ones."""
         return replace(self, poles=self.poles[:count], psi=self.psi[:count], residual=self.residual[:count])
 
-    def one(self, k: int) -> "Structure":
+    def one_sample(self, k: int) -> "Structure":
         """Of samples of a structure a single one."""
         return replace(self, poles=self.poles[k], psi=self.psi[k], residual=self.residual[k])
 

@@ -189,7 +189,7 @@ def _campaign_against(campaign: Campaign, reference: Reference, band_hz: Band) -
     if isinstance(reference, str | Path):
         return gap_against(campaign, Path(reference), band_hz)
     if isinstance(reference, Model):
-        return gap_of(campaign, reference.modal, band_hz=band_hz)
+        return gap_of(campaign, reference.modal_model, band_hz=band_hz)
     before = campaign_in(reference)
     return gap_of(campaign, model_to_compare(before, band_hz), "the earlier measurement", before, band_hz)
 

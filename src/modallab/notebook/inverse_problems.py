@@ -23,7 +23,7 @@ class ModelInverse:
     __slots__ = ()
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure that the model describes."""
         raise NotImplementedError
 
@@ -41,10 +41,10 @@ class ModelInverse:
         Raises:
             DataError: no such mode, a frequency beyond the band, or an unknown point.
         """
-        found = changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors())
+        found = changes_for_frequency(self.known_structure, mode, to_hz, by, at or self._sensors())
         return DisplayedResult(found, *tuned_rows(found, by, mode, to_hz))
 
-    def keep_free(
+    def free_band(
         self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None
     ) -> DisplayedResult[tuple[FreeBand, ...]]:
         """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
@@ -57,7 +57,7 @@ class ModelInverse:
         Raises:
             DataError: edges in the wrong order or outside the band of the model, or an unknown point.
         """
-        found = changes_for_free_band(self.known, band_hz, by, at or self._sensors())
+        found = changes_for_free_band(self.known_structure, band_hz, by, at or self._sensors())
         return DisplayedResult(found, *free_rows(found, by, band_hz))
 
     def best_absorber(self, mode: int, at: At, mass: float) -> DisplayedResult[BestAbsorber]:
@@ -73,8 +73,8 @@ class ModelInverse:
         Raises:
             DataError: no such mode, or a mode with a node there.
         """
-        found = best_absorber(self.known, mode, at, mass)
+        found = best_absorber(self.known_structure, mode, at, mass)
         return DisplayedResult(found, *absorber_rows(found, mode))
 
     def _sensors(self) -> list[At]:
-        return list(self.known.sensors)
+        return list(self.known_structure.sensors)

@@ -48,7 +48,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
     place: int = 0
 
     @property
-    def found(self) -> IdentifiedTest:
+    def identified_test(self) -> IdentifiedTest:
         """The test's model, its verification and its assessment."""
         return self.result.identified[self.place]
 
@@ -58,22 +58,22 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         return self.campaign.rig
 
     @property
-    def modal(self) -> ModalModel:
+    def modal_model(self) -> ModalModel:
         """All arrays of the model, for all stages of modallab."""
-        return self.found.model
+        return self.identified_test.model
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure of the model, ready for predictions.
 
         Raises:
             DataError: an output or input has no point.
         """
         rig = self.campaign.rig
-        return KnownStructure(with_points(self.modal, rig), rig)
+        return KnownStructure(with_points(self.modal_model, rig), rig)
 
     @property
-    def measured(self) -> Frf:
+    def measured_mobility(self) -> Frf:
         """Measured mobility of the verification.
 
         Raises:
@@ -88,12 +88,12 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         Raises:
             DataError: the method makes no FRF.
         """
-        if self.found.verification is None:
+        if self.identified_test.verification is None:
             raise DataError(
-                f"the method {self.modal.method} regenerates no FRF",
+                f"the method {self.modal_model.method} regenerates no FRF",
                 remedy="identify without method, or with refine=True",
             )
-        return self.found.verification
+        return self.identified_test.verification
 
     @property
     def tests(self) -> tuple[str, ...]:
@@ -115,7 +115,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
 
     def table(self) -> DisplayedTable:
         """Frequency and damping of every mode, with one standard deviation: 4.80(3) is 4.80 +- 0.03."""
-        m, judged = self.modal, self.found.assessment
+        m, judged = self.modal_model, self.identified_test.assessment
         rows = [
             (
                 str(r + 1),
@@ -128,7 +128,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
             for r in range(m.n_modes)
         ]
         return DisplayedTable(
-            ("mode", "frequency [Hz]", "damping [%]", "confidence"), rows, f"{self.found.source}, one sigma"
+            ("mode", "frequency [Hz]", "damping [%]", "confidence"), rows, f"{self.identified_test.source}, one sigma"
         )
 
     def plot_frf(self, drive: int = 0) -> "Figure":
@@ -143,9 +143,9 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         from modallab.reporting.figures.mobility import mobility_panels
 
         check = self.verification
-        if drive not in range(len(self.modal.input_points)):
+        if drive not in range(len(self.modal_model.input_points)):
             raise DataError(
-                f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"
+                f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal_model.input_points) - 1}"
             )
         return mobility_panels(check, drive)
 
@@ -157,9 +157,9 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         """
         from modallab.reporting.figures.mode_shapes import mode_shapes
 
-        figure = mode_shapes([self.modal], self.campaign.rig)
+        figure = mode_shapes([self.modal_model], self.campaign.rig)
         if figure is None:
-            why = self.modal.shapes_unavailable or "the places of the outputs are unknown"
+            why = self.modal_model.shapes_unavailable or "the places of the outputs are unknown"
             raise DataError(
                 f"there are no shapes to draw: {why}",
                 remedy="name the points of inputs and outputs; one input must be at an output",
@@ -174,7 +174,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         """
         if not isinstance(other, Model):
             raise DataError(f"{type(other).__name__} is no model", remedy="give what ml.identify gives")
-        return mac(*common_shapes(self.modal, other.modal))
+        return mac(*common_shapes(self.modal_model, other.modal_model))
 
     def to_pandas(self) -> "pd.DataFrame":
         """A row for each mode: frequency, damping, their sigmas.
@@ -182,7 +182,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         Raises:
             MissingPackageError: pandas is not installed.
         """
-        m, pandas = self.modal, optional_package("pandas", "model.to_pandas()")
+        m, pandas = self.modal_model, optional_package("pandas", "model.to_pandas()")
         columns = {
             "frequency_hz": m.frequency_hz,
             "frequency_sigma_hz": m.frequency_sigma_hz,
@@ -197,7 +197,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         Raises:
             MissingPackageError: xarray is not installed.
         """
-        m, xarray = self.modal, optional_package("xarray", "model.to_xarray()")
+        m, xarray = self.modal_model, optional_package("xarray", "model.to_xarray()")
         arrays: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {
             "frequency": (("mode",), m.frequency_hz, {"units": "Hz"}),
             "frequency_sigma": (("mode",), m.frequency_sigma_hz, {"units": "Hz"}),
@@ -229,11 +229,11 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         return path
 
     def __len__(self) -> int:
-        return self.modal.n_modes
+        return self.modal_model.n_modes
 
     def __repr__(self) -> str:
-        hz = ", ".join(f"{f:.4g}" for f in self.modal.frequency_hz)
-        return f"<Model of the {self.found.source} test: {len(self)} modes at {hz} Hz>"
+        hz = ", ".join(f"{f:.4g}" for f in self.modal_model.frequency_hz)
+        return f"<Model of the {self.identified_test.source} test: {len(self)} modes at {hz} Hz>"
 
     def _repr_html_(self) -> str:
         return self.table().html()

@@ -9,7 +9,7 @@ from modallab.core.units import Quantity
 from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
 from modallab.modification.known import KnownStructure
-from modallab.modification.nodes import ModePlaces, places_of_modes
+from modallab.modification.nodes import AntinodesAndNodes, places_of_modes
 from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
@@ -58,17 +58,17 @@ class ModelBehaviour:
     __slots__ = ()
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure of the model."""
         raise NotImplementedError
 
     @property
-    def measured(self) -> Frf:
+    def measured_mobility(self) -> Frf:
         """Measured mobility."""
         raise NotImplementedError
 
     @property
-    def modal(self) -> ModalModel:
+    def modal_model(self) -> ModalModel:
         """Every array of the model."""
         raise NotImplementedError
 
@@ -84,7 +84,7 @@ class ModelBehaviour:
             DataError: the method makes no FRF to compare with.
         """
         compared = self.verification
-        found = reduction_of(self.modal, compared.measured.values, compared.regenerated.values, compared.frac)
+        found = reduction_of(self.modal_model, compared.measured.values, compared.regenerated.values, compared.frac)
         return DisplayedResult(found, *reduction_rows(found))
 
     def participation(
@@ -109,16 +109,16 @@ class ModelBehaviour:
         Raises:
             DataError: an impossible band or time, an unknown point, or no driving point.
         """
-        found = modal_participation(self.known, at, of, quantity, band, after_s)
-        return DisplayedResult(found, *participation_rows(found, self.known.model.frequency_hz.tolist()))
+        found = modal_participation(self.known_structure, at, of, quantity, band, after_s)
+        return DisplayedResult(found, *participation_rows(found, self.known_structure.model.frequency_hz.tolist()))
 
-    def nodes(self) -> DisplayedResult[ModePlaces]:
+    def nodes(self) -> DisplayedResult[AntinodesAndNodes]:
         """Antinode and nodes of each mode: where to hit, and where to mount.
 
         Raises:
             DataError: no driving point, or an output or input without a point.
         """
-        known = self.known
+        known = self.known_structure
         found = places_of_modes(known.structure, known.samples, known.model, known.rig)
         return DisplayedResult(found, *node_rows(found))
 
@@ -131,7 +131,7 @@ class ModelBehaviour:
         Raises:
             DataError: no such mode, no driving point, or no places of the points.
         """
-        known = self.known
+        known = self.known_structure
         return DeflectionShape(mode_deflection(known.structure, known.samples, mode), known.stated_rig)
 
     def deflection(self, hz: float, at: int) -> DeflectionShape:
@@ -144,6 +144,6 @@ class ModelBehaviour:
         Raises:
             DataError: no measured FRF, none from that point, or another frequency.
         """
-        known = self.known
+        known = self.known_structure
         freedoms = freedoms_of(known.model, known.stated_rig)[0]
-        return DeflectionShape(operating_deflection(self.measured, freedoms, hz, at), known.stated_rig)
+        return DeflectionShape(operating_deflection(self.measured_mobility, freedoms, hz, at), known.stated_rig)

@@ -63,7 +63,7 @@ class ModelComparison:
     __slots__ = ()
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure of the model."""
         raise NotImplementedError
 
@@ -78,11 +78,11 @@ class ModelComparison:
             FormatError: the file has an unknown format.
         """
         if isinstance(other, ModelPredictions):
-            known = other.known
+            known = other.known_structure
         else:
-            rig = self.known.stated_rig
-            known = KnownStructure(read_reference(Path(other), rig, self.known.model).model, rig)
-        return CorrelatedModes(correlate_models(self.known, known), self.known.rig)
+            rig = self.known_structure.stated_rig
+            known = KnownStructure(read_reference(Path(other), rig, self.known_structure.model).model, rig)
+        return CorrelatedModes(correlate_models(self.known_structure, known), self.known_structure.rig)
 
     def update(
         self,
@@ -104,4 +104,4 @@ class ModelComparison:
             FormatError: the file holds no matrices.
         """
         of = Path(model) if isinstance(model, str | Path) else model
-        return UpdatedModel(update_model(self.known, of, priors, held_out))
+        return UpdatedModel(update_model(self.known_structure, of, priors, held_out))

@@ -41,7 +41,7 @@ class ModelPredictions(ModelInverse):
     __slots__ = ()
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure of the model, with its attached parts."""
         raise NotImplementedError
 
@@ -66,7 +66,7 @@ class ModelPredictions(ModelInverse):
         Raises:
             DataError: frequencies that do not ascend, an unknown point, or no driving point.
         """
-        known = self.known if residual_terms else self.known.without_residual_terms
+        known = self.known_structure if residual_terms else self.known_structure.without_residual_terms
         return MeasuredFrf.of(known.frf(np.asarray(f), outputs, inputs, quantity))
 
     def response(
@@ -101,7 +101,7 @@ class ModelPredictions(ModelInverse):
                 raise DataError("the duration of the force is missing", remedy="give seconds=10")
             force = force_samples(force, dt, max(2, round(seconds / dt)))
         asked = None if of is None else _list_of_places(of)
-        return PredictedMotion.of(self.known, force, dt, _list_of_places(at), asked, quantity, between, start)
+        return PredictedMotion.of(self.known_structure, force, dt, _list_of_places(at), asked, quantity, between, start)
 
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
@@ -116,7 +116,7 @@ class ModelPredictions(ModelInverse):
         Raises:
             DataError: an unknown point, or no driving point.
         """
-        return self.known.state_space(_list_of_places(at), self._sensors() if of is None else of, quantity)
+        return self.known_structure.state_space(_list_of_places(at), self._sensors() if of is None else of, quantity)
 
     def modify(
         self,
@@ -143,7 +143,7 @@ class ModelPredictions(ModelInverse):
         own = () if at is None else (Element(at, to, mass, spring, damper),)
         if not (changes or own):
             raise DataError("there is no change", remedy="give mass=0.05, at=8, or changes such as ml.RigidLink(8)")
-        return ChangedModel(self.known.with_changes((*changes, *own)))
+        return ChangedModel(self.known_structure.with_changes((*changes, *own)))
 
     def couple(
         self,
@@ -164,10 +164,11 @@ class ModelPredictions(ModelInverse):
         Raises:
             DataError: an unknown point, or a changed other structure.
         """
-        known = other.known
+        known = other.known_structure
         if known.changes:
             raise DataError(
-                f"the other structure is changed: {known.changes[0].words}", remedy="couple the structure as measured"
+                f"the other structure is changed: {known.changes[0].description}",
+                remedy="couple the structure as measured",
             )
         return self.modify(
             CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
@@ -189,7 +190,7 @@ class ChangedModel(ModelPredictions):
         self._known = known
 
     @property
-    def known(self) -> KnownStructure:
+    def known_structure(self) -> KnownStructure:
         """The structure with its attached parts."""
         return self._known
 
@@ -220,7 +221,7 @@ class ChangedModel(ModelPredictions):
 
     def table(self) -> DisplayedTable:
         """Frequency and damping of each mode before and after, with one standard deviation."""
-        words = list(self._known.words)
+        words = list(self._known.descriptions)
         return DisplayedTable(*modified_rows(self._known, words))
 
     def check(self, measured: ModelPredictions) -> DisplayedTable:
@@ -229,7 +230,7 @@ class ChangedModel(ModelPredictions):
         Args:
             measured: its model.
         """
-        found = check_predictions(self._known.modes, measured.known.model)
+        found = check_predictions(self._known.modes, measured.known_structure.model)
         return DisplayedTable(("predicted and measured",), [(one.words,) for one in found])
 
     def plot(self, at: At, of: At | None = None) -> "Figure":
@@ -241,7 +242,7 @@ class ChangedModel(ModelPredictions):
         """
         from modallab.reporting.figures.mobility import mobility_before_after
 
-        alone, to = self._known.alone, [at if of is None else of]
+        alone, to = self._known.without_parts, [at if of is None else of]
         f = lines_with_peaks(alone.model.band_hz, LINES, alone.structure.poles, self._known.poles)
         before = alone.frf(f, to, [at], sigma=False)
         return mobility_before_after(before, self._known.frf(f, to, [at]))
@@ -256,7 +257,7 @@ class ChangedModel(ModelPredictions):
 
     def __repr__(self) -> str:
         hz = ", ".join(f"{f:.4g}" for f in self.frequency_hz)
-        return f"<ChangedModel: {'; '.join(self._known.words)}; modes at {hz} Hz>"
+        return f"<ChangedModel: {'; '.join(self._known.descriptions)}; modes at {hz} Hz>"
 
     def _repr_html_(self) -> str:
         return self.table().html()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class PredictedMotion(MotionOverTime):
     """Motion over time: `values`, `sigma`, `time`, `peak`, `rms`, `level`."""
 
-    def error(self, recorded: ArrayLike, band_hz: tuple[float, float] | None = None) -> Real:
+    def error_against(self, recorded: ArrayLike, band_hz: tuple[float, float] | None = None) -> Real:
         """(points,) difference to a record, relative to the record; within a band if one is given.
 
         Args:

@@ -21,7 +21,7 @@ from modallab.core.hold_out import HoldOut
 from modallab.core.plan import Precision
 from modallab.core.progress import part_of_progress, report_progress_to
 from modallab.formats.atomic import replacing
-from modallab.jobs import ComputationResult, Kind, Notify
+from modallab.jobs import ComputationResult, JobDefinition, ProgressCallback
 from modallab.pipelines.parameters import (
     BlindParameters,
     DiagnoseParameters,
@@ -45,7 +45,7 @@ Compared = tuple[Campaign, DiagnoseParameters, Campaign | None]
 
 def kinds(
     campaigns: Campaigns, folder: Path, revision: Revision = lambda _: "", so_far: Campaigns | None = None
-) -> tuple[Kind, ...]:
+) -> tuple[JobDefinition, ...]:
     """All kinds of job.
 
     Args:
@@ -55,7 +55,7 @@ def kinds(
         revision: of what a job's inputs hold; `store.revision` for runs.
     """
 
-    def kind(name: str, compute: Callable[[Any, Notify], ComputationResult], limit_s: float) -> Kind:
+    def kind(name: str, compute: Callable[[Any, ProgressCallback], ComputationResult], limit_s: float) -> JobDefinition:
         def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign | None, Frozen]:
             # Blind trials are made, not read.
             return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
@@ -63,15 +63,15 @@ def kinds(
         def keep(attempt: str, computed: ComputationResult) -> JsonValue:
             return {"document": computed.result, "files": _keep_blobs(folder, attempt, computed.blobs)}
 
-        return Kind(name, load, compute, keep, limit_s, revision)
+        return JobDefinition(name, load, compute, keep, limit_s, revision)
 
     def load_compared(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> Compared:
         asked = DiagnoseParameters.model_validate(parse_parameters("diagnose", parameters))
-        today, before = asked.parted(inputs)
+        today, before = asked.runs_by_session(inputs)
         return campaigns(today), asked, campaigns(before) if before else None
 
     # While a run goes on its blocks change all the time, and an estimate is of those that are there when it begins.
-    estimate = Kind(
+    estimate = JobDefinition(
         "estimate",
         lambda parameters, inputs: ((so_far or campaigns)(inputs), parse_parameters("estimate", parameters)),
         _estimate,
@@ -103,18 +103,18 @@ def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
     return load
 
 
-def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> ComputationResult:
+def _identify(payload: tuple[Campaign, IdentifyParameters], notify: ProgressCallback) -> ComputationResult:
     from modallab.pipelines.curves import curves_of
     from modallab.pipelines.model_file import model_document
 
     campaign, parameters = payload
     with report_progress_to(notify):
-        found = parameters.identified(campaign)
+        found = parameters.identify(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return ComputationResult(_plain_document(model_document(campaign, found)), {CURVES: curves})
 
 
-def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> ComputationResult:
+def _estimate(payload: tuple[Campaign, EstimateParameters], notify: ProgressCallback) -> ComputationResult:
     from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
     from modallab.pipelines.most_informative_point import most_informative_point
@@ -148,14 +148,14 @@ def _agreement_of_campaign(campaign: Campaign) -> dict[str, Any] | None:
     return {"sentence": found.sentence, "agrees": found.agrees, "channels": found.channels}
 
 
-def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> ComputationResult:
+def _report(payload: tuple[Campaign, ReportParameters], notify: ProgressCallback) -> ComputationResult:
     from modallab.pipelines.model_file import model_document
     from modallab.pipelines.report import report_content
     from modallab.reporting.report import render
 
     campaign, parameters = payload
     with report_progress_to(notify), part_of_progress(0.0, 0.7):
-        result = parameters.identified(campaign)
+        result = parameters.identify(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
     return ComputationResult(
@@ -163,7 +163,7 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
     )
 
 
-def _diagnose(payload: Compared, notify: Notify) -> ComputationResult:
+def _diagnose(payload: Compared, notify: ProgressCallback) -> ComputationResult:
     from modallab.gap.diagnosis import diagnose
     from modallab.reporting.gap_report import render
 
@@ -179,7 +179,7 @@ def _diagnose(payload: Compared, notify: Notify) -> ComputationResult:
 
 
 def _diagnose_by_model(
-    campaign: Campaign, before: Campaign, band_hz: tuple[float, float] | None, notify: Notify
+    campaign: Campaign, before: Campaign, band_hz: tuple[float, float] | None, notify: ProgressCallback
 ) -> ComputationResult:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
@@ -192,7 +192,7 @@ def _diagnose_by_model(
     return ComputationResult(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
 
 
-def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> ComputationResult:
+def _blind(payload: tuple[None, BlindParameters], notify: ProgressCallback) -> ComputationResult:
     from modallab.blind.page import render
     from modallab.blind.run import run_blind_trials
 

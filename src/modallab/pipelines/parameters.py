@@ -86,7 +86,7 @@ class IdentifyParameters(Frozen):
             )
         return self
 
-    def identified(self, campaign: Campaign) -> "CampaignResult":
+    def identify(self, campaign: Campaign) -> "CampaignResult":
         """What a campaign gives, asked so.
 
         Raises:
@@ -141,7 +141,7 @@ class DiagnoseParameters(Frozen):
             raise PydanticCustomError("band_hz", "band_hz needs a reference")
         return self
 
-    def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    def runs_by_session(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The runs that are diagnosed, and those from before.
 
         Raises:

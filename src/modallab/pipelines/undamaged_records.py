@@ -7,7 +7,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.rig import Rig
 from modallab.signals.faults.all_faults import faults_of
-from modallab.signals.faults.repeats import Fault
+from modallab.signals.faults.repeats import SampleFault
 
 _NAMED = 3
 """Faults that a message lists; more of them are counted."""
@@ -34,7 +34,7 @@ def undamaged_records(
     for block in blocks:
         with errors:
             check_samples(block.samples, block.channels, f"{campaign.source}, record {block.name}")
-    errors.done()
+    errors.raise_collected()
     faults = {b.name: found for b in blocks if (found := faults_of(b, rig))}
     spoilt = _spoilt_channels(faults, len(blocks), rig)
     left = {n: rest for n, found in faults.items() if (rest := tuple(f for f in found if f.channel not in spoilt))}
@@ -54,7 +54,9 @@ def undamaged_records(
     return sound, rig.without(spoilt), tuple(notes)
 
 
-def _spoilt_channels(faults: Mapping[str, tuple[Fault, ...]], records: int, rig: Rig) -> dict[str, tuple[int, str]]:
+def _spoilt_channels(
+    faults: Mapping[str, tuple[SampleFault, ...]], records: int, rig: Rig
+) -> dict[str, tuple[int, str]]:
     """Responses at fault in more than half of the records, with in how many and the first fault; not all of them."""
     found: dict[str, tuple[int, str]] = {}
     for channel in rig.responses:
@@ -72,7 +74,7 @@ def _without(block: Block, channels: Collection[str]) -> Block:
     return block.of_rows([k for k, name in enumerate(block.channels) if name not in channels])
 
 
-def _faults_in_words(faults: Mapping[str, tuple[Fault, ...]]) -> str:
+def _faults_in_words(faults: Mapping[str, tuple[SampleFault, ...]]) -> str:
     each = [f"{name}, {fault}" for name, found in faults.items() for fault in found]
     more = f"; and {len(each) - _NAMED} more" if len(each) > _NAMED else ""
     return "; ".join(each[:_NAMED]) + more

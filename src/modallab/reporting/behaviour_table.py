@@ -7,7 +7,7 @@ from modallab.core.units import SI_UNIT
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.motion import MotionOverTime
-from modallab.modification.nodes import ModePlaces
+from modallab.modification.nodes import AntinodesAndNodes
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.modification_table import TableRows
@@ -65,7 +65,7 @@ def reduction_rows(found: ModelReduction) -> TableRows:
     return TableRows(("driven at", "output", "error [%]", "FRAC"), tuple(rows), sentences)
 
 
-def node_rows(found: ModePlaces) -> TableRows:
+def node_rows(found: AntinodesAndNodes) -> TableRows:
     """Where each mode moves most, and where its nodes are."""
     headings = ("mode", "frequency [Hz]", "antinode", "points near a node")
     between = bool(found.crossings)
@@ -80,9 +80,9 @@ def node_rows(found: ModePlaces) -> TableRows:
     return TableRows(headings, tuple(rows), " ".join(advice_of(found)))
 
 
-def advice_of(found: ModePlaces) -> list[str]:
+def advice_of(found: AntinodesAndNodes) -> list[str]:
     """Where to hit and where to mount, in sentences."""
-    where, least = found.best
+    where, least = found.best_freedom
     how = "moves most" if least > MOST else f"has at least {100 * least:.0f} % of its largest motion"
     sentences = [f"Hit or mount a sensor at point {_freedom_name(found, where)}: each mode {how} there."]
     for r, near in enumerate(found.nodes):
@@ -92,7 +92,7 @@ def advice_of(found: ModePlaces) -> list[str]:
     return [*sentences, "Mount a part that must not disturb a mode at one of its nodes."]
 
 
-def _freedom_name(found: ModePlaces, freedom: Freedom) -> str:
+def _freedom_name(found: AntinodesAndNodes, freedom: Freedom) -> str:
     several = len({f[0] for f in found.freedoms}) < len(found.freedoms)
     return f"{freedom[0]}{freedom[1]}" if several else str(freedom[0])
 

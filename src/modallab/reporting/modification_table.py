@@ -17,7 +17,7 @@ from modallab.core.rig import Tolerance
 from modallab.formats.atomic import replacing
 from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint, FreeBand
 from modallab.modification.known import KnownStructure
-from modallab.modification.modified import ModesAfter
+from modallab.modification.modified import ModifiedModes
 from modallab.modification.structure import At
 from modallab.updating.result import Prior, UpdatedParameters
 
@@ -49,7 +49,7 @@ def modified_rows(known: KnownStructure, changes: Sequence[str]) -> TableRows:
     return TableRows(HEADINGS, rows, " ".join([f"{'; '.join(changes)}.", *notes_of(known)]))
 
 
-def _mode_row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
+def _mode_row(before: ModalModel, after: ModifiedModes, r: int) -> tuple[str, ...]:
     hz = number_with_sigma(float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r]))
     damping = number_with_sigma(100 * float(after.damping_ratio[r]), 100 * float(after.damping_sigma[r]))
     if after.mac[r] < SAME:
@@ -96,7 +96,7 @@ def _joint_note(known: KnownStructure) -> list[str]:
     return [said, "Do not use the result: one structure alone determines nearly all of the joint's motion."]
 
 
-def check_predictions(after: ModesAfter, measured: ModalModel) -> list[CheckedMode]:
+def check_predictions(after: ModifiedModes, measured: ModalModel) -> list[CheckedMode]:
     """Each predicted mode beside the nearest one that was measured with the changes."""
     apart = np.abs(np.log(after.frequency_hz[:, None] / measured.frequency_hz))
     rows, columns = linear_sum_assignment(apart)
@@ -107,7 +107,7 @@ def check_predictions(after: ModesAfter, measured: ModalModel) -> list[CheckedMo
     ]
 
 
-def _check_mode(after: ModesAfter, measured: ModalModel, r: int, m: int) -> CheckedMode:
+def _check_mode(after: ModifiedModes, measured: ModalModel, r: int, m: int) -> CheckedMode:
     hz, sigma = float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r])
     found, own = float(measured.frequency_hz[m]), float(np.nan_to_num(measured.frequency_sigma_hz[m]))
     inside = bool(abs(found - hz) <= TWO_SIDED * np.hypot(sigma, own))
@@ -201,7 +201,7 @@ def _parameter_row(found: UpdatedParameters, name: str) -> tuple[str, ...]:
     size, unit = (1e-9, "GPa") if prior.unit == "Pa" else (1.0, prior.unit)
     sigma = prior.sigma * prior.value if prior.relative else prior.sigma
     low, high, value = (_value_and_prior(v * size, prior) for v in (*found.interval[name], found.numbers[name]))
-    determined = "no" if name in found.undetermined else "yes"
+    determined = "no" if name in found.undetermined_parameters else "yes"
     title = f"{name} [{unit}]" if unit else name
     return title, number_with_sigma(size * prior.value, size * sigma), value, f"{low} to {high}", determined
 
@@ -216,9 +216,9 @@ def _notes_on_parameters(found: UpdatedParameters) -> list[str]:
         f"With these parameters the model's frequencies are off by about {100 * hz:.2g} %, its shapes by "
         f"{100 * shapes:.2g} %."
     ]
-    if found.undetermined:
-        sentences.append(f"The test adds little to the prior of {list_in_words(list(found.undetermined))}.")
-    sentences += [f"Only a combination of {a} and {b} is known." for a, b in found.together]
+    if found.undetermined_parameters:
+        sentences.append(f"The test adds little to the prior of {list_in_words(list(found.undetermined_parameters))}.")
+    sentences += [f"Only a combination of {a} and {b} is known." for a, b in found.correlated_pairs]
     if found.held_out:
         before, after = (100 * e for e in found.rms_error(found.held_out))
         modes = list_in_words([str(r) for r in found.held_out])
@@ -253,13 +253,13 @@ def updated_document(found: UpdatedParameters) -> UpdatedModelView:
             found=found.numbers[name],
             interval=(found.interval[name][0], found.interval[name][1]),
             unit=prior.unit,
-            determined=name not in found.undetermined,
+            determined=name not in found.undetermined_parameters,
         )
         for name, prior in found.priors.items()
     }
     return UpdatedModelView(
         parameters=parameters,
-        together=found.together,
+        together=found.correlated_pairs,
         held_out=found.held_out,
         measured_hz=found.measured_hz,
         before_hz=found.before.frequency_hz,

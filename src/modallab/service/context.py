@@ -13,7 +13,7 @@ from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import CampaignRepository
-from modallab.service.rigs.control import Control
+from modallab.service.rigs.control import RigControl
 from modallab.storage import Store
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Service:
     """
 
     store: Store
-    control: Control
+    control: RigControl
     boot: str
     log: EventLog
     repository: CampaignRepository
@@ -69,7 +69,7 @@ class Service:
         self.store.close()
 
 
-def open_service(folder: Path, control: Control, boot: str) -> Service:
+def open_service(folder: Path, control: RigControl, boot: str) -> Service:
     """Open a data folder for the service.
 
     Raises:

@@ -89,7 +89,7 @@ class Conversion:
             raise DataError("no force was measured", remedy="identify the responses alone (--response-only)")
         return self.forces[0]
 
-    def si(self, samples: Samples) -> Real:
+    def to_si(self, samples: Samples) -> Real:
         """(channels, n) delivered numbers in SI units along the drive; delays and AC coupling as they are."""
         return samples.astype(np.float64) * self.si_per_count[:, None]
 
@@ -107,7 +107,7 @@ class Conversion:
         rows = list(self.forces)
         return samples[rows].astype(np.float64) * self.si_per_count[rows, None]
 
-    def overload(self, samples: Samples) -> NDArray[np.bool_]:
+    def overloaded_channels(self, samples: Samples) -> NDArray[np.bool_]:
         """(channels,) whether any of the (channels, n) delivered numbers is at full scale."""
         return largest_magnitudes(samples) >= self.full_scale
 

@@ -115,7 +115,7 @@ def to_signals(block: Block, rig: Rig) -> Signals:
     check_block(block, rig)
     require_one_axis(rig, f"record {block.name}")
     conversion = Conversion.of_block(block, rig)
-    values = undo_ac_coupling(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
+    values = undo_ac_coupling(conversion.to_si(block.samples), block.rate_hz, rig, block.frequency_hz)
     values = align_channels(values, block.rate_hz, lags_s(rig))
     return Signals(
         forces=values[forces_of(block, conversion)] if conversion.forces else np.zeros(block.n_samples),

@@ -10,7 +10,7 @@ import h5py
 from sqlalchemy import Connection, MetaData, Table, func, insert, inspect, select, text
 
 from modallab.core.errors import StorageError
-from modallab.storage.catalogue import Catalogue
+from modallab.storage.catalogue import RunCatalogue
 from modallab.storage.durable import require_space, storage_failure, sync_file, sync_folder
 from modallab.storage.engine import database_of, name_database
 from modallab.storage.recorder import checksum
@@ -51,7 +51,7 @@ def back_up(store: Store, out: Path, also: Sequence[MetaData] = ()) -> CopiedDat
     _require_empty(out)
     out.mkdir(parents=True, exist_ok=True)
     require_space(out, _size_of_folder(store.folder))
-    catalogue = Catalogue(database_of(out))
+    catalogue = RunCatalogue(database_of(out))
     try:
         _copy_catalogue(store.catalogue, catalogue, also)
         copied = _copy_samples(store, catalogue, out)
@@ -92,7 +92,7 @@ def restore_backup(backup: Path, out: Path, database: str | None = None, also: S
     return copied
 
 
-def _copy_catalogue(source: Catalogue, target: Catalogue, also: Sequence[MetaData]) -> None:
+def _copy_catalogue(source: RunCatalogue, target: RunCatalogue, also: Sequence[MetaData]) -> None:
     tables = [METADATA, *also]
     moment = source.engine.connect().execution_options(reading=True)
     if moment.dialect.name == "postgresql":
@@ -104,12 +104,12 @@ def _copy_catalogue(source: Catalogue, target: Catalogue, also: Sequence[MetaDat
         _copy_tables(reading, writing, tables)
 
 
-def _copy_samples(store: Store, catalogue: Catalogue, out: Path) -> CopiedData:
+def _copy_samples(store: Store, catalogue: RunCatalogue, out: Path) -> CopiedData:
     runs, blocks, size = catalogue.runs(), 0, 0
     (out / "runs").mkdir(exist_ok=True)
     for run in runs:
         source, rows = store.folder / "runs" / f"{run.id}.h5", catalogue.blocks(run.id)
-        if run.id in catalogue.removed() or not source.exists():
+        if run.id in catalogue.runs_without_samples() or not source.exists():
             continue
         target = out / "runs" / source.name
         live = store.catalogue.run(run.id).state not in ENDED or run.state not in ENDED

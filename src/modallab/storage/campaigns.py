@@ -27,7 +27,7 @@ def campaign_of(store: Store, runs: Sequence[str]) -> Campaign:
     blocks: list[Block] = []
     taken: set[str] = set()
     for number, record in enumerate(records, start=1):
-        for block in store.iterate(record.id):
+        for block in store.iterate_blocks(record.id):
             # Two impact runs both begin with hit 1.
             name = block.name if block.name not in taken else f"{block.name}_run{number}"
             taken.add(name)
@@ -54,7 +54,7 @@ def campaigns_by_rig(store: Store, runs: Sequence[str]) -> tuple[Campaign, ...]:
 def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
     """The blocks of a run that were not accepted, each with its reason."""
     reasons = {row.note.name: row.note.reason for row in store.catalogue.blocks(run) if not row.note.accepted}
-    return [(block, reasons[block.name]) for block in store.iterate(run, rejected=True) if block.name in reasons]
+    return [(block, reasons[block.name]) for block in store.iterate_blocks(run, rejected=True) if block.name in reasons]
 
 
 def _check_records(records: Sequence[RunRecord], where: str) -> None:

@@ -87,7 +87,7 @@ STEPS: Mapping[int, Step] = {2: _blocks_may_be_left_out, 3: _what_came_first_is_
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 
 
-class Catalogue:
+class RunCatalogue:
     """Rows of runs and blocks, each committed and on the disk when its method returns."""
 
     def __init__(self, url: str) -> None:
@@ -137,7 +137,7 @@ class Catalogue:
                 row = {"run": run, "reason": reason, "bytes": size, "utc": datetime.now(UTC).isoformat("T", "seconds")}
                 connection.execute(insert(REMOVED).values(row))
 
-    def removed(self) -> dict[str, str]:
+    def runs_without_samples(self) -> dict[str, str]:
         """Runs whose samples were deleted, each with when and why."""
         with read_transaction(self.engine) as connection:
             return {row.run: f"{row.utc}: {row.reason}" for row in connection.execute(select(REMOVED))}

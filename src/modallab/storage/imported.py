@@ -61,9 +61,9 @@ def _keep_blocks(store: Store, campaign: Campaign, bench: BenchInfo, blocks: Seq
     with store.begin(plan_of(blocks, campaign.provenance), campaign.rig, bench) as recorder:
         recorder.open(delivery, first.n_samples)
         for block in blocks:
-            recorder.record(block.samples, _note_of_block(block))
+            recorder.record_block(block.samples, _note_of_block(block))
         recorder.close_file()
-        recorder.enter("done", f"imported from {campaign.source}")
+        recorder.enter_state("done", f"imported from {campaign.source}")
         return recorder.run
 
 

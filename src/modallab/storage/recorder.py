@@ -16,7 +16,7 @@ from modallab.core.child_process import FileLock
 from modallab.core.errors import DiskFullError, StorageError
 from modallab.core.events import BlockAcknowledged, RunState
 from modallab.core.versions import SAMPLES
-from modallab.storage.catalogue import Catalogue
+from modallab.storage.catalogue import RunCatalogue
 from modallab.storage.durable import require_room
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
 from modallab.storage.samples import Samples, SampleWriter
@@ -55,7 +55,7 @@ def _place_samples(writer: SampleWriter, samples: Samples) -> SamplesInFile:
 class Recorder:
     """The one writer of a run. As a context manager it lets go of the lease and the file however the run ends."""
 
-    def __init__(self, catalogue: Catalogue, folder: Path, run: RunRecord, lease: FileLock) -> None:
+    def __init__(self, catalogue: RunCatalogue, folder: Path, run: RunRecord, lease: FileLock) -> None:
         self.run = run.id
         self._record = run
         self._catalogue = catalogue
@@ -66,9 +66,9 @@ class Recorder:
         self._n = 0
 
     @property
-    def unusable(self) -> bool:
+    def left_unusable_file(self) -> bool:
         """Whether a failed write left a file that HDF5 cannot close: the process should end without its clean-up."""
-        return self._writer is not None and self._writer.unusable
+        return self._writer is not None and self._writer.left_unusable_file
 
     def open(self, delivery: DeliveredSampling, block_samples: int) -> None:
         """Make the file for what the configured device will deliver.
@@ -89,7 +89,7 @@ class Recorder:
             units=list(delivery.units),
         )
 
-    def enter(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
+    def enter_state(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
         """Commit the run's state; on a full disk in the room that was kept for it.
 
         Raises:
@@ -105,15 +105,15 @@ class Recorder:
             self._writer.free_reserve()
             self._catalogue.update_run(self.run, **row)
 
-    def record(self, samples: Samples, note: BlockNote) -> BlockAcknowledged:
+    def record_block(self, samples: Samples, note: BlockNote) -> BlockAcknowledged:
         """Keep (channels, n) samples for good; when this returns, no crash can lose them.
 
         Raises:
             DiskFullError, StorageError: not kept; all blocks before are.
         """
-        return self.keep(self.place(samples), note)
+        return self.keep_block(self.place_block(samples), note)
 
-    def place(self, samples: Samples) -> Future[SamplesInFile]:
+    def place_block(self, samples: Samples) -> Future[SamplesInFile]:
         """Begin to write (channels, n) samples, which must not change; until `keep` they are no block.
 
         Raises:
@@ -123,7 +123,7 @@ class Recorder:
             raise StorageError("no file is open", where=self.run, remedy="call open with the delivery first")
         return self._hand.submit(_place_samples, self._writer, samples)
 
-    def keep(self, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
+    def keep_block(self, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
         """Wait until placed samples are on the disk, and keep them as a block; raises as `record`."""
         at = placed.result()
         assert self._writer is not None
@@ -146,11 +146,11 @@ class Recorder:
         self._n += 1
         return _acknowledge_block(block)
 
-    def drop(self, name: str, reason: str) -> bool:
+    def drop_block(self, name: str, reason: str) -> bool:
         """Say that the block of this name no longer counts; whether there was one that did."""
         return drop_block(self._catalogue, self.run, name, reason)
 
-    def accept(self, name: str, reason: str, operator: str) -> bool:
+    def accept_block(self, name: str, reason: str, operator: str) -> bool:
         """Say that the rejected block of this name counts, by the operator's word; whether there was one."""
         found = [row for row in self._catalogue.blocks(self.run) if row.note.name == name and not row.note.accepted]
         for row in found:
@@ -208,7 +208,7 @@ def _unknown_block(value: float | str) -> bool:
     return isinstance(value, float) and not isfinite(value)
 
 
-def drop_block(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:
+def drop_block(catalogue: RunCatalogue, run: str, name: str, reason: str) -> bool:
     """Mark the accepted block `name` of a run as dropped, running or ended; whether there was one."""
     found = [row for row in catalogue.blocks(run) if row.note.name == name and row.note.accepted]
     for row in found:

@@ -63,7 +63,7 @@ class SampleWriter:
         return self._data.dtype
 
     @property
-    def unusable(self) -> bool:
+    def left_unusable_file(self) -> bool:
         """Whether a failed write has left a file that may only be left behind."""
         return self._broken
 

@@ -18,7 +18,7 @@ from modallab.core.child_process import FileLock
 from modallab.core.errors import BlockDamagedError, StorageError
 from modallab.core.plan import Plan, SinePlan, records_of
 from modallab.core.rig import Rig
-from modallab.storage.catalogue import Catalogue
+from modallab.storage.catalogue import RunCatalogue
 from modallab.storage.durable import require_local
 from modallab.storage.engine import database_of
 from modallab.storage.recorder import Recorder, checksum, drop_block, utc_now
@@ -50,7 +50,7 @@ class Store:
                 f"cannot be made: {error.strerror}", where=str(folder), remedy="choose another data folder"
             ) from error
         require_local(folder)
-        self.catalogue = Catalogue(database_of(folder))
+        self.catalogue = RunCatalogue(database_of(folder))
 
     def begin(self, plan: Plan, rig: Rig, bench: BenchInfo) -> Recorder:
         """Enter a new run in the catalogue and lease it to this process."""
@@ -104,9 +104,11 @@ class Store:
         Raises:
             StorageError: no such run, or a block that is not what was acknowledged, by name.
         """
-        return tuple(self.iterate(run, rejected=rejected))
+        return tuple(self.iterate_blocks(run, rejected=rejected))
 
-    def iterate(self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None) -> Iterator[Block]:
+    def iterate_blocks(
+        self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None
+    ) -> Iterator[Block]:
         """As `blocks`, one after the other; with `numbers` only those."""
         record = self.catalogue.run(run)
         rows = self.catalogue.blocks(run)
@@ -142,7 +144,7 @@ class Store:
         ]
         return hashlib.sha256(json.dumps(held).encode()).hexdigest()
 
-    def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
+    def drop_block(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
         """Leave one accepted block of a run out from now on; its samples stay, and `rejected` still reads them.
 
         Raises:
@@ -164,7 +166,7 @@ class Store:
             StorageError: they were deleted.
         """
         file = self._runs / f"{run}.h5"
-        removed = None if file.exists() else self.catalogue.removed().get(run)
+        removed = None if file.exists() else self.catalogue.runs_without_samples().get(run)
         if removed is not None:
             raise StorageError(
                 f"the samples of run {run} were deleted ({removed})", where=str(file), remedy="restore a backup"

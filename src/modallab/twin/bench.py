@@ -110,12 +110,12 @@ class Twin:
     residual_compliance: float = 0.0
     element: NonlinearElement | None = None
 
-    def felt(self, modes: TwinModes) -> TwinModes:
+    def modes_felt_by(self, modes: TwinModes) -> TwinModes:
         """The modes with as much of the static compliance of those above as `element` feels."""
         whole = self.element is not None and self.element.of_all_modes
         return modes if whole else replace(modes, out_of_band=self.residual_compliance * modes.out_of_band)
 
-    def drifted(self, tau: float | Real) -> Real:
+    def share_of_drift(self, tau: float | Real) -> Real:
         """Share of the drift that has happened at a place in time between 0 and 1."""
         if not self.drift_curve:
             return np.asarray(tau, dtype=np.float64)

@@ -65,7 +65,7 @@ class FreeNumber:
         return origin + (value - origin) * max(share, SMALLEST) ** (1 / self.power)
 
     @property
-    def weakest(self) -> list[int]:
+    def weakest_starts(self) -> list[int]:
         """Which starts have the smallest signature: of a number of either sign one of each."""
         if self.power < 0:
             return [int(np.argmax(self.starts))]

@@ -27,7 +27,7 @@ def predict_hit(
         tau: place of the record in the campaign's time, 0 to 1.
     """
     n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
-    modes = drifted_modes(solve_modes(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
+    modes = drifted_modes(solve_modes(twin.structure), twin.ei_drift, float(twin.share_of_drift(tau)))
     x = twin.struck_x_m(drive_x_m)
     struck = np.flatnonzero(force_n)
     first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
@@ -45,7 +45,7 @@ def predict_hit(
     forced_sum += twin.residual_compliance * np.outer(_out_of_band_response(twin, modes, channels, x_m, x), source.s**2)
     chain = chain_transfer(twin.chain, channels, source.s)
     if twin.element is not None and len(struck):
-        stiff = twin.felt(modes)
+        stiff = twin.modes_felt_by(modes)
         own = couple_to_modes(twin.element, twin.structure, stiff)
         gain = twin.hit_gain(drive_x_m)
         added = added_in_hit(prepared_steps(stiff, own, dt, x), gain * force_n[first:last], first, n)
@@ -89,7 +89,7 @@ def predict_sine(
     dt = 1 / rate_hz / (1 + twin.clock)
     rise = rise or SineStartUp.usual(1)
     world_hz = frequency_hz * (1 + twin.clock)
-    modes = drifted_modes(solve_modes(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
+    modes = drifted_modes(solve_modes(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.share_of_drift(tau)))
     source = SineBlocks(
         np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.with_clock_error(twin.clock)
     )
@@ -111,7 +111,7 @@ def predict_sine(
     steady_down = down * chain_transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
     if twin.element is not None:
-        stiff = twin.felt(modes)
+        stiff = twin.modes_felt_by(modes)
         own = couple_to_modes(twin.element, twin.in_sine(drive_x_m), stiff)
         began = source.rise
         times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])

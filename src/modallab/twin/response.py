@@ -183,7 +183,7 @@ class SineStartUp:
         """The same on the clock of the world, where the converter's runs fast by `clock`."""
         return replace(self, history_s=np.where(self.counted, self.history_s / (1 + clock), self.history_s))
 
-    def left(self, a: Complex) -> Complex:
+    def remaining_transient(self, a: Complex) -> Complex:
         """(..., blocks) transient of a mode with pole a that the start of a sine leaves at the start of the block.
 
         The steady state 1 / a is not part of it.
@@ -246,7 +246,9 @@ class SineBlocks:
         poles = poles if poles.ndim == 2 else np.broadcast_to(poles[:, None], (len(poles), len(self.force)))
         drive = self.drive
         turned = np.conj(self.force) / self.force
-        start = (self.rise.left(drive - poles) + turned * self.rise.left(-drive - poles)) / self.n
+        start = (
+            self.rise.remaining_transient(drive - poles) + turned * self.rise.remaining_transient(-drive - poles)
+        ) / self.n
         return drive**2 / (drive - poles), drive**2 / (-drive - poles), poles**2 * start
 
     def decay_shape(self, poles: Complex) -> Complex:

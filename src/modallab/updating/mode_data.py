@@ -42,7 +42,7 @@ class ModeData:
         """How many there are."""
         return self.frequency_hz.size
 
-    def only(self, modes: list[int]) -> "ModeData":
+    def of_modes(self, modes: list[int]) -> "ModeData":
         """Some of the modes."""
         points = self.shapes.shape[1]
         rows = [*modes, *(self.modes + r * points + k for r in modes for k in range(points))]

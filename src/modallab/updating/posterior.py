@@ -224,7 +224,7 @@ def update_parameters(
         raise DataError("there is no parameter to estimate", remedy="give priors")
     predict = checked_predictor(predict, data.shapes.shape[1])
     before = _check_problem(predict, {name: prior.value for name, prior in priors.items()}, data)
-    kept = data.only(_modes_to_fit(data.modes, held_out))
+    kept = data.of_modes(_modes_to_fit(data.modes, held_out))
     problem = _UpdatingProblem(predict, priors, kept, np.zeros(0)).about(np.zeros(len(priors)))
     u, off, parts = problem.settled()
     drawn = _draw_from_mixture(parts)

@@ -93,12 +93,12 @@ class UpdatedParameters:
     held_out: tuple[int, ...]
 
     @property
-    def undetermined(self) -> tuple[str, ...]:
+    def undetermined_parameters(self) -> tuple[str, ...]:
         """Parameters of which most of what is left open was open before."""
         return tuple(n for n, left in zip(self.numbers, self.narrowed, strict=True) if left > DETERMINED)
 
     @property
-    def together(self) -> tuple[tuple[str, str], ...]:
+    def correlated_pairs(self) -> tuple[tuple[str, str], ...]:
         """Pairs of parameters that only a combination is known of."""
         names, size = list(self.numbers), np.abs(self.correlation)
         return tuple((names[i], names[j]) for i in range(len(names)) for j in range(i) if size[i, j] > TOGETHER)

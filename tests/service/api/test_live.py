@@ -13,7 +13,7 @@ from lab import RIG, TOKEN, Lab
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from modallab.core.documents.runs import RunRequest, Stop
+from modallab.core.documents.runs import RunRequest, StopRun
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.api.asyncapi import event_kinds
@@ -44,7 +44,7 @@ def running(lab: Lab, plan: ImpactPlan) -> Iterator[tuple[str, str]]:
         run = begin_run(lab.service, lab.campaign(), RunRequest(plan=plan), lease.id)
         yield run, lease.id
         if lab.store.catalogue.run(run).state not in ("done", "failed", "aborted"):
-            lab.controllers.command(RIG, run, Stop(), lease.id)
+            lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_ended(run)
     finally:
         lab.service.leases.release(RIG, lease.id)

@@ -17,7 +17,7 @@ import modallab as ml
 from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
 from modallab.formats.importer import import_sources
-from modallab.jobs.leases import Leases
+from modallab.jobs.leases import JobLeases
 from modallab.storage.campaigns import campaign_of
 
 API = "/api/v1"
@@ -88,9 +88,9 @@ def test_the_newest_model_of_every_test_is_there_whichever_job_computed_it(lab: 
     after["document"]["models"][0]["test"] = "sine"
     job = lab.service.jobs.submit("identify", {"test": "sine"}, (run,), lab.service.store.revision((run,)))
     lab.service.repository.add_job(campaign, job, "Ada")
-    leases = Leases(lab.service.engine, "tester")
-    taken = next(one for one in leases.take({"identify", "report"}, 10) if one.job.id == job.id)
-    assert leases.done(taken, after)
+    leases = JobLeases(lab.service.engine, "tester")
+    taken = next(one for one in leases.lease_jobs({"identify", "report"}, 10) if one.job.id == job.id)
+    assert leases.complete(taken, after)
     with lab.client() as client:
         found = ModelsView.model_validate(client.get(f"{API}/campaigns/{campaign}/model").json())
         curves = client.get(f"{API}/campaigns/{campaign}/curves").json()

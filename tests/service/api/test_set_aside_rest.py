@@ -4,7 +4,7 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.core.documents.runs import RunRequest, Stop
+from modallab.core.documents.runs import RunRequest, StopRun
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.run_start import begin_run
 
@@ -19,7 +19,7 @@ def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:
                 deleted(run)
         with pytest.raises(ServiceProblemError, match="is active"):
             client.delete_campaign(campaign)
-        lab.controllers.command(RIG, run, Stop(), lease.id)
+        lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_ended(run)
         lab.wait_until_idle()
         gone = client.delete_run(run)

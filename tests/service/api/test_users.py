@@ -12,7 +12,7 @@ from modallab.core.documents.runs import RunRequest
 from modallab.core.documents.users import Role, TokenRequest, UserRequest
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.run_start import begin_run
-from modallab.service.records.users import Users
+from modallab.service.records.users import UserTable
 from modallab.storage.engine import write_transaction
 from modallab.storage.service_tables import TOKENS
 
@@ -21,7 +21,7 @@ LONG = ImpactPlan(points=(10,), hits=60)
 
 
 def token(lab: Lab, name: str, role: Role = "operator", **more: object) -> str:
-    users = Users(lab.service.engine)
+    users = UserTable(lab.service.engine)
     if all(user.name != name for user in users.all()):
         users.add(UserRequest(name=name, role=role), "tests")
     made = users.make_token(name, TokenRequest.model_validate(more), "tests").token
@@ -151,7 +151,7 @@ def test_a_revoked_user_is_out_and_his_name_is_not_used_again(lab: Lab, people) 
 
 def test_another_process_may_revoke(lab: Lab) -> None:
     with lab.client(token(lab, "Away")) as away:
-        Users(lab.service.engine).revoke("Away", "at the terminal")
+        UserTable(lab.service.engine).revoke("Away", "at the terminal")
         answers = (away.get(f"{API}/rigs").status_code for _ in iter(int, 1))
         assert next(status for status in answers if status != 200) == 401
 

@@ -14,7 +14,7 @@ from lab import RIG, Lab
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import CampaignRequest, RunRequest, Stop
+from modallab.core.documents.runs import CampaignRequest, RunRequest, StopRun
 from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
@@ -81,7 +81,7 @@ def _recorded(store: Store, run_log: RunLog, rig: Rig, state: RunState, reported
     campaign = run_log.repository.create(CampaignRequest(name="a session", rig="link"), "Ada").id
     with store.begin(LONG, rig, info) as recorder:
         if state != "created":
-            recorder.enter(state, "as the rig said")
+            recorder.enter_state(state, "as the rig said")
         run_log.repository.add_run(RunEntry(recorder.run, campaign, "link", "Ada", None), {})
         said = StateChanged(run=recorder.run, state=reported)
         run_log.log.append("state", EventTopic("link", campaign, recorder.run), said.model_dump())
@@ -106,7 +106,7 @@ def test_an_end_that_the_service_did_not_live_to_report_is_reported_at_its_next_
             (end,) = _ends(run_log, run)
             assert end.content["state"] == state
             assert (end.rig, end.campaign != "") == ("link", True)
-        codes = {run: getattr(run_log.repository.entry(run), "code", None) for run in (done, lost, dead)}
+        codes = {run: getattr(run_log.repository.run_entry(run), "code", None) for run in (done, lost, dead)}
         assert codes == {done: "", lost: "interrupted", dead: "interrupted"}
 
 
@@ -141,7 +141,7 @@ def test_a_run_begins_though_the_rig_s_process_has_just_gone(lab: Lab) -> None:
             lab.wait_until_idle()
             run = lab.controllers.start(order)
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
-        lab.controllers.command(RIG, run, Stop(), lease.id)
+        lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_state(run, "done")
     finally:
         lab.service.leases.release(RIG, lease.id)
@@ -152,14 +152,14 @@ def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
     order = StartRun("link", "c1", LONG, "", None)
     late = RequestedRun(order, "Ada")
     with pytest.raises(RigUnavailableError, match=r"not started after 0\.01 s") as rejected:
-        late.wait(0.01)
+        late.wait_for_name(0.01)
     assert rejected.value.remedy == "try again when the rig is idle"
     assert not late.claim()
 
     on_its_way = RequestedRun(order, "Ada")
     assert on_its_way.claim()
     with pytest.raises(RigUnavailableError) as unsure:
-        on_its_way.wait(0.01)
+        on_its_way.wait_for_name(0.01)
     assert unsure.value.remedy == "read the campaign's list of runs"
     # The rig's process died of it; it was not given up, since nobody could know.
     on_its_way.return_to_queue()
@@ -169,7 +169,7 @@ def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
     assert put_back.claim()
     put_back.return_to_queue()
     with pytest.raises(RigUnavailableError):
-        put_back.wait(0.01)
+        put_back.wait_for_name(0.01)
     assert not put_back.claim()
 
 

@@ -7,10 +7,10 @@ import pytest
 from recorded_run import record_run
 
 from modallab.core.documents.results import JobRequest
-from modallab.core.documents.runs import CampaignRequest, Verdict
+from modallab.core.documents.runs import BlockVerdict, CampaignRequest
 from modallab.jobs import Job
-from modallab.jobs.attempt import Attempt
-from modallab.jobs.leases import Leases
+from modallab.jobs.attempt import JobAttempt
+from modallab.jobs.leases import JobLeases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.campaigns.runs import judge_block
 from modallab.service.context import Service, open_service
@@ -50,10 +50,10 @@ def _judge(service: Service, run: str, accepted: bool, *numbers: int) -> None:
 
 
 def _done(service: Service, job: Job) -> None:
-    leases = Leases(service.engine, "a runner")
-    (taken,) = leases.take([job.kind], 1)
+    leases = JobLeases(service.engine, "a runner")
+    (taken,) = leases.lease_jobs([job.kind], 1)
     assert taken.job.id == job.id
-    assert leases.done(taken, {"model of": job.id})
+    assert leases.complete(taken, {"model of": job.id})
 
 
 @pytest.mark.parametrize("kind", ["identify", "report", "diagnose"])
@@ -87,9 +87,9 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     job = order_job(service, campaign, "identify", JobRequest(), "Ada")
     _judge(service, run, False, 0)
     (kind, *_) = kinds(campaigns_of(service.store), service.folder, service.store.revision)
-    leases = Leases(service.engine, "a runner")
-    (taken,) = leases.take(["identify"], 1)
-    Attempt(taken, kind, leases, client=None).run()
+    leases = JobLeases(service.engine, "a runner")
+    (taken,) = leases.lease_jobs(["identify"], 1)
+    JobAttempt(taken, kind, leases, client=None).run()
     ended = service.jobs.get(job.id)
     assert ended.state == "failed"
     assert "valid blocks have changed" in str(ended.error)
@@ -99,7 +99,7 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
 
 def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
     for n in numbers:
-        judge_block(service, run, n, Verdict(accepted=accepted), None, "Ada")
+        judge_block(service, run, n, BlockVerdict(accepted=accepted), None, "Ada")
 
 
 def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
@@ -125,17 +125,17 @@ def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Se
     IdentificationAfterRun(service.store, service.jobs).identify(run)
     order_job(service, campaign, "report", JobRequest(), "Ada")
     _verdict(service, run, False, 0)
-    (taken,) = Leases(service.engine, "a runner").take(["identify", "report"], 1)
+    (taken,) = JobLeases(service.engine, "a runner").lease_jobs(["identify", "report"], 1)
     assert taken.job.kind == "report"
 
 
 def test_a_job_that_is_computed_while_a_block_is_judged_is_not_kept(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     job = IdentificationAfterRun(service.store, service.jobs).identify(run)
-    leases = Leases(service.engine, "a runner")
-    (taken,) = leases.take(["identify"], 1)
+    leases = JobLeases(service.engine, "a runner")
+    (taken,) = leases.lease_jobs(["identify"], 1)
     _verdict(service, run, False, 0)
-    assert not leases.done(taken, {"model of": job.id})
+    assert not leases.complete(taken, {"model of": job.id})
     assert service.jobs.get(job.id).state == "cancelled"
 
 

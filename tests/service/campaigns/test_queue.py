@@ -12,7 +12,7 @@ from lab import RIG, TOKEN, Lab
 from modallab.client import Client, ServiceProblemError
 from modallab.core.documents.queue import ConsentRequest, QueueItem, QueueItemRequest
 from modallab.core.documents.rigs import Lease
-from modallab.core.documents.runs import RunRequest, Stop
+from modallab.core.documents.runs import RunRequest, StopRun
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.api.rigs import state_of
@@ -93,7 +93,7 @@ def test_runs_begin_one_after_the_other_once_their_operator_stands_there(lab: La
     first, second = (item(lab, name) for name in names)
     assert first.state == "done"
     assert first.run < second.run
-    entry = lab.service.repository.entry(first.run)
+    entry = lab.service.repository.run_entry(first.run)
     assert entry is not None
     assert (entry.operator, first.operator) == ("Ada", "Otto")
 
@@ -140,7 +140,7 @@ def test_a_run_that_does_not_end_well_pauses_the_queue_with_its_reason(lab: Lab,
     consent(lab, lease, at_bench=True)
     until(lambda: item(lab, first).run != "")
     lab.wait_for(lambda e: e.run == item(lab, first).run and e.kind == "block")
-    lab.controllers.command(RIG, item(lab, first).run, Stop(), lease.id)
+    lab.controllers.command(RIG, item(lab, first).run, StopRun(), lease.id)
     until(lambda: item(lab, first).state == "failed")
     lab.wait_until_idle()
     assert nothing_begins(lab, runner)
@@ -187,7 +187,7 @@ def test_what_was_claimed_as_the_service_died_waits_again_and_is_not_run_twice(l
     until(lambda: item(lab, name).state == "done")
     run = item(lab, name).run
     # As if the run's name had not been kept.
-    queue.set(name, "running")
+    queue.set_state(name, "running")
     until(lambda: item(lab, name).state == "done")
     assert item(lab, name).run == run
 

@@ -5,7 +5,16 @@ from lab import RIG, Lab
 
 from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
-from modallab.core.documents.runs import Abort, Drop, Pause, Repeat, Resume, RunRequest, Stop, Verdict
+from modallab.core.documents.runs import (
+    AbortRun,
+    BlockVerdict,
+    DropHit,
+    PauseRun,
+    RepeatFrequency,
+    ResumeRun,
+    RunRequest,
+    StopRun,
+)
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.service.campaigns.live_frf import LiveFrfs
@@ -37,16 +46,16 @@ def test_a_run_pauses_goes_on_drops_a_hit_and_asks_for_it_again(lab: Lab) -> Non
     try:
         run = begin_run(lab.service, lab.campaign(), RunRequest(plan=LONG), lease.id)
         kept = lab.wait_for(lambda e: e.run == run and e.kind == "block")
-        lab.controllers.command(RIG, run, Pause(), lease.id)
+        lab.controllers.command(RIG, run, PauseRun(), lease.id)
         paused = lab.wait_for_state(run, "paused")
         with pytest.raises(IllegalTransitionError, match="paused"):
-            lab.controllers.command(RIG, run, Pause(), lease.id)
-        lab.controllers.command(RIG, run, Drop(n=0, reason="a slip"), lease.id)
-        lab.controllers.command(RIG, run, Resume(), lease.id)
+            lab.controllers.command(RIG, run, PauseRun(), lease.id)
+        lab.controllers.command(RIG, run, DropHit(n=0, reason="a slip"), lease.id)
+        lab.controllers.command(RIG, run, ResumeRun(), lease.id)
         lab.wait_for(lambda e: e.kind == "dropped" and e.content["name"] == kept.content["name"], paused.seq)
         again = lab.wait_for(lambda e: e.kind == "block" and "_again_1" in e.content["name"], paused.seq)
         assert again.content["name"].startswith(kept.content["name"])
-        lab.controllers.command(RIG, run, Stop(), lease.id)
+        lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_state(run, "done")
         first = block_records(lab.service, run)[0]
         assert (first.note.accepted, first.note.reason) == (False, "a slip")
@@ -61,10 +70,10 @@ def test_a_repeated_frequency_replaces_the_block_before(lab: Lab) -> None:
         run = begin_run(lab.service, lab.campaign(), RunRequest(plan=LONG_SINE), lease.id)
         first = lab.wait_for(lambda e: e.run == run and e.kind == "block")
         with pytest.raises(PlanError, match="123"):
-            lab.controllers.command(RIG, run, Repeat(frequency_hz=123.0), lease.id)
-        lab.controllers.command(RIG, run, Repeat(frequency_hz=19.0), lease.id)
+            lab.controllers.command(RIG, run, RepeatFrequency(frequency_hz=123.0), lease.id)
+        lab.controllers.command(RIG, run, RepeatFrequency(frequency_hz=19.0), lease.id)
         lab.wait_for(lambda e: e.kind == "dropped" and e.content["name"] == first.content["name"], first.seq)
-        lab.controllers.command(RIG, run, Stop(), lease.id)
+        lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_state(run, "done")
         at_19 = [b for b in block_records(lab.service, run) if b.note.frequency_hz == 19.0]
         assert [b.note.accepted for b in at_19] == [False, True]
@@ -106,9 +115,9 @@ def test_a_rejected_block_leaves_the_average_and_comes_back(lab: Lab) -> None:
         lab.wait_for_state(run, "done")
         frfs = LiveFrfs(lab.store)
         whole = frfs.frf(run)
-        judge_block(lab.service, run, 1, Verdict(accepted=False, reason="wrong place"), lease.id)
+        judge_block(lab.service, run, 1, BlockVerdict(accepted=False, reason="wrong place"), lease.id)
         without = frfs.frf(run)
-        judge_block(lab.service, run, 1, Verdict(accepted=True), lease.id)
+        judge_block(lab.service, run, 1, BlockVerdict(accepted=True), lease.id)
         again = frfs.frf(run)
     finally:
         lab.service.leases.release(RIG, lease.id)
@@ -125,7 +134,7 @@ def test_an_ended_run_is_continued_with_what_is_left(lab: Lab) -> None:
         plan = SHORT_SINE.model_copy(update={"frequencies_hz": (19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0)})
         run = begin_run(lab.service, campaign, RunRequest(plan=plan), lease.id)
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
-        lab.controllers.command(RIG, run, Stop(), lease.id)
+        lab.controllers.command(RIG, run, StopRun(), lease.id)
         lab.wait_for_state(run, "done")
         lab.wait_until_idle()
         had = [b.note.frequency_hz for b in block_records(lab.service, run)]
@@ -134,7 +143,7 @@ def test_an_ended_run_is_continued_with_what_is_left(lab: Lab) -> None:
         lab.wait_until_idle()
         new = [b.note.frequency_hz for b in block_records(lab.service, second)]
         assert sorted([*had, *new]) == sorted(plan.frequencies_hz)
-        assert lab.service.repository.chain(second) == (run, second)
+        assert lab.service.repository.runs_continued(second) == (run, second)
         with pytest.raises(ConflictError, match="completed its plan"):
             begin_run(lab.service, campaign, RunRequest(continues=second), lease.id)
     finally:
@@ -147,7 +156,7 @@ def test_an_aborted_run_is_kept_and_not_continued(lab: Lab) -> None:
         campaign = lab.campaign()
         run = begin_run(lab.service, campaign, RunRequest(plan=LONG), lease.id)
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
-        lab.controllers.command(RIG, run, Abort(), lease.id)
+        lab.controllers.command(RIG, run, AbortRun(), lease.id)
         lab.wait_for_state(run, "aborted")
         assert block_records(lab.service, run)
         with pytest.raises(ConflictError, match="aborted"):

@@ -13,9 +13,9 @@ from modallab.core.documents.results import JobRequest
 from modallab.core.documents.runs import CampaignRequest
 from modallab.core.errors import StorageError
 from modallab.core.plan import ImpactPlan
-from modallab.jobs.leases import Leases as JobLeases
+from modallab.jobs.leases import JobLeases as JobLeases
 from modallab.service.campaigns.export import export_campaign
-from modallab.service.campaigns.purge import Purge
+from modallab.service.campaigns.purge import PurgeTimer
 from modallab.service.campaigns.runs import run_view
 from modallab.service.context import Service, open_service
 from modallab.service.errors import ConflictError, NotFoundError
@@ -66,8 +66,8 @@ class Clocks:
     def go_on(self, by: timedelta) -> None:
         self.day, self.s = self.day + by, self.s + by.total_seconds()
 
-    def purge(self, service: Service) -> Purge:
-        return Purge(service.store, 1.0, lambda: self.day, lambda: self.s)
+    def purge(self, service: Service) -> PurgeTimer:
+        return PurgeTimer(service.store, 1.0, lambda: self.day, lambda: self.s)
 
 
 def samples(service: Service, run: str) -> int:
@@ -177,8 +177,8 @@ def test_a_deleted_campaign_loses_its_samples_and_reports(service, aside, campai
     report.write_text("a report")
     job = order_job(service, campaign, "report", JobRequest(), "Ada")
     leases = JobLeases(service.engine, "a runner")
-    (taken,) = leases.take(["report"], 1)
-    assert leases.done(taken, {"document": {}, "files": {"report.html": "results/one/report.html"}})
+    (taken,) = leases.lease_jobs(["report"], 1)
+    assert leases.complete(taken, {"document": {}, "files": {"report.html": "results/one/report.html"}})
     aside.delete("campaign", campaign, "Ada", GRACE)
     clocks.go_on(GRACE + timedelta(minutes=1))
     purge.check_now()

@@ -3,13 +3,13 @@
 import multiprocessing
 from threading import Thread
 
-from modallab.service.process.child_processes import Child
+from modallab.service.process.child_processes import SupervisedProcess
 
 SLEEP = "sleeping_child:sleep"
 
 
 def test_one_that_was_asked_to_leave_is_never_started() -> None:
-    child = Child("late", SLEEP, (60.0,))
+    child = SupervisedProcess("late", SLEEP, (60.0,))
     child.request_exit()
     child.check_now()
     child.close()
@@ -17,7 +17,7 @@ def test_one_that_was_asked_to_leave_is_never_started() -> None:
 
 
 def test_one_that_is_asked_to_leave_while_it_is_started_is_gone_when_it_is_closed() -> None:
-    child = Child("early", SLEEP, (60.0,))
+    child = SupervisedProcess("early", SLEEP, (60.0,))
     for _ in range(3):
         starting = Thread(target=child.check_now)
         starting.start()

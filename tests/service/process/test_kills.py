@@ -15,7 +15,7 @@ from service_process import ServiceProcess
 
 from modallab.acquisition.process.trip import TripLatch
 from modallab.client import ServiceProblemError
-from modallab.core.documents.runs import Stop
+from modallab.core.documents.runs import StopRun
 from modallab.core.plan import ImpactPlan, SinePlan
 
 LONG = ImpactPlan(points=(10, 6, 3), hits=200)
@@ -66,7 +66,7 @@ def test_a_killed_process_costs_nothing_that_was_acknowledged(tmp_path: Path, vi
 def _stopped(service: ServiceProcess, run: str, lease) -> bool:
     if service.client.run(run).state == "acquiring":
         with suppress(ServiceProblemError):
-            service.client.command_run(run, Stop(), lease)
+            service.client.command_run(run, StopRun(), lease)
     return service.client.run(run).state == "done"
 
 

@@ -48,7 +48,7 @@ def test_a_run_that_is_cut_short_by_the_end_of_the_service_has_failed(tmp_path: 
         assert (record.state, record.valid) == ("failed", True), log
         assert record.reason == "interrupted: the service was ended"
         assert len(store.blocks(run)) > 0
-        entry = CampaignRepository(store.catalogue.engine).entry(run)
+        entry = CampaignRepository(store.catalogue.engine).run_entry(run)
         assert entry is not None
         assert entry.code == "interrupted"
     assert not (tmp_path / "data" / "trip").exists()

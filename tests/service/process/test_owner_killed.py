@@ -59,7 +59,7 @@ def test_a_frozen_rest_process_goes_with_its_supervisor(tmp_path: Path) -> None:
 
 def test_what_is_left_of_an_earlier_service_of_the_folder_is_ended(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as left:
-        ProcessList(tmp_path).note("api", left.pid)
+        ProcessList(tmp_path).add("api", left.pid)
         assert ProcessList(tmp_path).end_all() == (left.pid,)
         assert not psutil.pid_exists(left.pid)
     assert ProcessList(tmp_path).end_all() == ()
@@ -67,14 +67,14 @@ def test_what_is_left_of_an_earlier_service_of_the_folder_is_ended(tmp_path: Pat
 
 def test_a_rigs_process_of_an_earlier_service_may_leave_by_itself(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.3)"]) as left:
-        ProcessList(tmp_path).note("rig link", left.pid, leaves=True)
+        ProcessList(tmp_path).add("rig link", left.pid, leaves=True)
         assert ProcessList(tmp_path).end_all() == ()
         assert left.wait(5) == 0
 
 
 def test_a_frozen_rigs_process_of_an_earlier_service_is_ended(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as left:
-        ProcessList(tmp_path).note("rig link", left.pid, leaves=True)
+        ProcessList(tmp_path).add("rig link", left.pid, leaves=True)
         os.kill(left.pid, signal.SIGSTOP)
         while psutil.Process(left.pid).status() != psutil.STATUS_STOPPED:
             time.sleep(0.01)

@@ -4,7 +4,7 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 
-from modallab.acquisition.monitor.run_states import Emit, Excitation, OperatorRequests, RunLifecycle
+from modallab.acquisition.monitor.run_states import Emit, ExcitationState, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,
@@ -18,7 +18,7 @@ from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
 from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import SamplesLostError
-from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
+from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, RunProgress
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.signals.transform import next_quick_length
@@ -83,7 +83,7 @@ class RunContext:
     block: int
     recut: ResamplingRule | None = None
     requests: OperatorRequests = field(default_factory=OperatorRequests)
-    excitation: Excitation = field(default_factory=Excitation)
+    excitation: ExcitationState = field(default_factory=ExcitationState)
 
     @property
     def rest_window(self) -> int:
@@ -142,11 +142,11 @@ class RunContext:
 
     def place_block(self, first: int) -> Future[SamplesInFile]:
         """Begin to write the samples of the block from sample `first`, while it is still looked at."""
-        return self.recorder.place(self._cut(first))
+        return self.recorder.place_block(self._cut(first))
 
     def keep_block(self, first: int, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
         """Keep a placed block, with what is known of it by now, and report that it is kept."""
-        kept = self.recorder.keep(placed, self._noted(first, note))
+        kept = self.recorder.keep_block(placed, self._noted(first, note))
         self.emit(kept)
         return kept
 
@@ -166,7 +166,7 @@ class RunContext:
 
     def write(self, block: "BufferedBlock") -> BlockAcknowledged:
         """Keep a block and report that it is kept."""
-        kept = self.recorder.record(block.samples, block.note)
+        kept = self.recorder.record_block(block.samples, block.note)
         self.emit(kept)
         return kept
 
@@ -197,21 +197,21 @@ class RunContext:
 
     def drop_block(self, name: str, reason: str) -> bool:
         """Let a block no longer count, and report it; whether there was one that did."""
-        dropped = self.recorder.drop(name, reason)
+        dropped = self.recorder.drop_block(name, reason)
         if dropped:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
 
     def accept_block(self, name: str, reason: str, operator: str) -> bool:
         """Let a block that was rejected count, and report it; whether there was one."""
-        accepted = self.recorder.accept(name, reason, operator)
+        accepted = self.recorder.accept_block(name, reason, operator)
         if accepted:
             self.emit(BlockAccepted(run=self.recorder.run, name=name, reason=reason))
         return accepted
 
     def report_progress(self, done: int, total: int, what: str) -> None:
         """Report how far the run is."""
-        self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
+        self.emit(RunProgress(run=self.recorder.run, done=done, total=total, what=what))
 
 
 def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = None) -> Floor:

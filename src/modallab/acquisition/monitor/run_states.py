@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from threading import Event as Flag
 
-from modallab.core.documents.runs import Repeat
-from modallab.core.errors import Http, PlanError
+from modallab.core.documents.runs import RepeatFrequency
+from modallab.core.errors import HttpProblem, PlanError
 from modallab.core.events import Event, RunState, StateChanged
 from modallab.storage import Recorder
 
@@ -32,7 +32,7 @@ class IllegalTransitionError(PlanError):
     """The run cannot change to this state from its present one."""
 
     code = "illegal-transition"
-    http = Http(409, "The run cannot do this now", "`legal` lists the states that may follow.")
+    http = HttpProblem(409, "The run cannot do this now", "`legal` lists the states that may follow.")
 
 
 def require_legal(current: RunState, target: RunState) -> None:
@@ -66,7 +66,7 @@ class RunLifecycle:
             StorageError: it could not be committed.
         """
         require_legal(self.state, state)
-        self._recorder.enter(state, reason, valid=valid)
+        self._recorder.enter_state(state, reason, valid=valid)
         self.state = state
         self._emit(StateChanged(run=self._recorder.run, state=state, reason=reason))
 
@@ -91,11 +91,11 @@ class AcceptBlock:
     operator: str = ""
 
 
-Request = Repeat | DropBlock | AcceptBlock
+Request = RepeatFrequency | DropBlock | AcceptBlock
 
 
 @dataclass(slots=True)
-class Excitation:
+class ExcitationState:
     """Whether a burst may be on, as the test says it: no sign of life then means more than at rest."""
 
     on: bool = False

@@ -118,7 +118,7 @@ class Stream:
 
     def overloaded_channels(self, first: int, count: int) -> tuple[str, ...]:
         """Names of the channels beyond their range in a stretch: by the samples, or by the device's flag."""
-        flags = self._conversion.overload(self.view_samples(first, count))
+        flags = self._conversion.overloaded_channels(self.view_samples(first, count))
         for begin, end, flag in self._overloads:
             if begin < first + count and end > first:
                 flags = flags | flag

@@ -10,9 +10,9 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, BurstSetting, SineDrive, burst_of, check_burst
 from modallab.acquisition.procedures.target import SineStep, repeated_steps, steps_of
 from modallab.bench.capabilities import ReportsOutput, SensorSupplyCheck
-from modallab.core.documents.runs import Repeat
+from modallab.core.documents.runs import RepeatFrequency
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
-from modallab.core.events import Notice
+from modallab.core.events import OperatorNotice
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
 from modallab.storage import BlockNote
@@ -75,7 +75,7 @@ class SineTest:
 
     def _obey(self) -> None:
         for request in self.context.requests.take_all():
-            if isinstance(request, Repeat):
+            if isinstance(request, RepeatFrequency):
                 self.todo.extendleft(repeated_steps(request, self.kept))
             elif self.context.drop_block(request.block, request.reason):
                 self.kept.pop(request.block, None)
@@ -222,4 +222,4 @@ def _say_what_is_unseen(context: RunContext) -> None:
             "detected only"
             " when it does not follow the drive"
         )
-        context.emit(Notice(run=context.recorder.run, what=what))
+        context.emit(OperatorNotice(run=context.recorder.run, what=what))

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-from modallab.core.documents.runs import Repeat
+from modallab.core.documents.runs import RepeatFrequency
 from modallab.core.errors import PlanError
 from modallab.core.plan import Plan, SinePlan
 
@@ -67,7 +67,7 @@ def steps_of(plan: SinePlan) -> list[SineStep]:
     return steps
 
 
-def repeated_steps(request: Repeat, kept: Mapping[str, SineStep]) -> list[SineStep]:
+def repeated_steps(request: RepeatFrequency, kept: Mapping[str, SineStep]) -> list[SineStep]:
     """The steps a request asks for, out of those that were kept."""
     return [
         replace(step, repetition=step.repetition + 1, replaces=name)

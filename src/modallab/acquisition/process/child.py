@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRingBuffer, remove_stale_ring_buffers
-from modallab.acquisition.monitor.run_states import Excitation
+from modallab.acquisition.monitor.run_states import ExcitationState
 from modallab.acquisition.process.idle_view import IdleView, idle_ring_buffer_name
 from modallab.acquisition.process.output_supervisor import HeartbeatPipe
 from modallab.acquisition.process.owner_link import BenchOpened, OwnerLink, RunEnded, RunPlan
@@ -229,7 +229,7 @@ def _next_plan(link: OwnerLink, scope: IdleView) -> RunPlan | None:
 def _run(link: OwnerLink, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: OutputGuard) -> None:
     error: ModallabError | None = None
     unusable = False
-    excitation = Excitation()
+    excitation = ExcitationState()
     sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else keep_awake()
 
     def control() -> Order | None:
@@ -250,7 +250,7 @@ def _run(link: OwnerLink, bench: Bench, rig: Rig, store: Store, order: RunPlan, 
                     live=live, expected=order.expected,
                 )  # fmt: skip
             finally:
-                unusable = recorder.unusable
+                unusable = recorder.left_unusable_file
     except Exception as raised:
         error = _expected(raised)
     link.send(RunEnded(error))

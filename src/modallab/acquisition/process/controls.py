@@ -9,7 +9,7 @@ from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, requ
 from modallab.acquisition.procedures.target import require_recorded, require_step
 from modallab.acquisition.process.owner_link import Message
 from modallab.core.block import Block
-from modallab.core.documents.runs import Pause, Repeat, Resume
+from modallab.core.documents.runs import PauseRun, RepeatFrequency, ResumeRun
 from modallab.core.errors import PlanError
 from modallab.core.events import (
     BlockAccepted,
@@ -19,7 +19,7 @@ from modallab.core.events import (
     Event,
     HitRejected,
     HitRequested,
-    Progress,
+    RunProgress,
     RunState,
     StateChanged,
 )
@@ -72,7 +72,7 @@ class RunView:
             return replace(self, blocks=tuple(name for name in self.blocks if name != event.name))
         if isinstance(event, BlockAccepted):
             return replace(self, blocks=(*self.blocks, event.name), requested=None)
-        if isinstance(event, Progress):
+        if isinstance(event, RunProgress):
             return replace(self, done=event.done, total=event.total, what=event.what)
         return self
 
@@ -114,7 +114,7 @@ class RunControls(ABC):
         """
         require_legal(self._view.state, "paused")
         self._pausing = True
-        self._send(Pause())
+        self._send(PauseRun())
 
     def resume(self) -> None:
         """`paused -> acquiring`: the beam is waited for, then the test goes on; it also takes back a pause to come.
@@ -125,7 +125,7 @@ class RunControls(ABC):
         if not (self._pausing and self._view.state == "acquiring"):
             require_legal("armed" if self._view.state == "paused" else "created", "acquiring")
         self._pausing = False
-        self._send(Resume())
+        self._send(ResumeRun())
 
     def repeat(self, frequency_hz: float, level: str = "") -> None:
         """Record a frequency of the running sine test once more, next; once it is kept, the block before is dropped.
@@ -143,7 +143,7 @@ class RunControls(ABC):
             )
         plan = require_step(self._plan, frequency_hz, level)
         require_recorded(plan, frequency_hz, level, self._view.blocks)
-        self._send(Repeat(frequency_hz=frequency_hz, level=level or None))
+        self._send(RepeatFrequency(frequency_hz=frequency_hz, level=level or None))
 
     def drop(self, block: str, reason: str = "dropped by the operator") -> None:
         """Let a block of this run no longer count, such as one hit; its samples stay on the disk, with the reason.
@@ -161,7 +161,7 @@ class RunControls(ABC):
             self._send(DropBlock(block, reason))
             return
         with Store(self._folder) as store:
-            store.drop(self._view.run, block, reason)
+            store.drop_block(self._view.run, block, reason)
         self._view = self._view.after_event(BlockDropped(run=self._view.run, name=block, reason=reason))
 
     def accept(self, block: str, reason: str, operator: str = "") -> None:

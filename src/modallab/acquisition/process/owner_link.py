@@ -12,7 +12,7 @@ from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, Oper
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.prepare_run import Order
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
+from modallab.core.documents.runs import AbortRun, PauseRun, RepeatFrequency, ResumeRun, StopRun
 from modallab.core.errors import ModallabError
 from modallab.core.events import Event
 from modallab.core.plan import Plan
@@ -53,13 +53,13 @@ class OwnerHeartbeat:
 
 Message = (
     RunPlan
-    | Pause
-    | Resume
-    | Repeat
+    | PauseRun
+    | ResumeRun
+    | RepeatFrequency
     | DropBlock
     | AcceptBlock
-    | Stop
-    | Abort
+    | StopRun
+    | AbortRun
     | EmergencyStop
     | CloseOrder
     | OwnerHeartbeat
@@ -150,11 +150,11 @@ class OwnerLink:
     def _obey(self, command: Message) -> None:
         act: dict[type[Message], Callable[[], None]] = {
             OwnerHeartbeat: lambda: None,
-            Stop: lambda: self._request("stop"),
-            Abort: lambda: self._request("abort"),
+            StopRun: lambda: self._request("stop"),
+            AbortRun: lambda: self._request("abort"),
             EmergencyStop: lambda: self._request("emergency"),
-            Pause: self.requests.pause,
-            Resume: self.requests.resume,
+            PauseRun: self.requests.pause,
+            ResumeRun: self.requests.resume,
             CloseOrder: self._leave,
         }
         if isinstance(command, RunPlan):
@@ -162,7 +162,7 @@ class OwnerLink:
             self._order = None
             self.requests.clear()
             self._put(command)
-        elif isinstance(command, Repeat | DropBlock | AcceptBlock):
+        elif isinstance(command, RepeatFrequency | DropBlock | AcceptBlock):
             self.requests.add(command)
         else:
             act[type(command)]()

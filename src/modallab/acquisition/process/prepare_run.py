@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRingBuffer, LiveTap
-from modallab.acquisition.monitor.run_states import Emit, Excitation, OperatorRequests, RunLifecycle
+from modallab.acquisition.monitor.run_states import Emit, ExcitationState, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
@@ -22,7 +22,7 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import AcquisitionRequest, Bench, DeliveredSampling
 from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import PlanError, RigError
-from modallab.core.events import Notice
+from modallab.core.events import OperatorNotice
 from modallab.core.plan import BroadbandPlan, Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
@@ -60,7 +60,7 @@ class RunSetup:
     requests: OperatorRequests = field(default_factory=OperatorRequests)
     latch: TripLatch | None = None
     supervision: str = ""
-    excitation: Excitation = field(default_factory=Excitation)
+    excitation: ExcitationState = field(default_factory=ExcitationState)
     live: LiveRingBuffer | None = None
     expected: ExpectedModes | None = None
 
@@ -138,7 +138,7 @@ def _report_rate(setup: RunSetup, delivery: DeliveredSampling) -> None:
     asked_hz, given_hz = delivery.requested_rate_hz, delivery.rate_hz
     if not isclose(asked_hz, given_hz, rel_tol=1e-9):
         what = f"the device samples at {given_hz:.10g} Hz; {asked_hz:.10g} Hz was requested"
-        setup.emit(Notice(run=setup.recorder.run, what=what))
+        setup.emit(OperatorNotice(run=setup.recorder.run, what=what))
 
 
 def require_sensors_known(setup: RunSetup) -> None:
@@ -149,7 +149,7 @@ def require_sensors_known(setup: RunSetup) -> None:
     """
     remarks = sensor_remarks(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
     for remark in remarks:
-        setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
+        setup.emit(OperatorNotice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
     wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
     if wrong:
         raise RigError("; ".join(wrong), where="sensors", remedy="check which sensor is mounted; correct the rig file")
@@ -162,7 +162,7 @@ def wait_for_supplies(setup: RunSetup, context: RunContext) -> None:
         return
     run = setup.recorder.run
     what = f"{len(fed)} sensors have their supply on; waiting until their bias has settled, at most {PATIENCE_S:g} s"
-    setup.emit(Notice(run=run, what=what))
+    setup.emit(OperatorNotice(run=run, what=what))
 
     def pull(count: int) -> NDArray[np.generic]:
         pieces: list[NDArray[np.generic]] = []
@@ -172,7 +172,7 @@ def wait_for_supplies(setup: RunSetup, context: RunContext) -> None:
     wait = wait_until_settled(pull, fed, stream.rate_hz)
     if wait.unsettled:
         what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; check sensor and cable"
-        setup.emit(Notice(run=run, what=what))
+        setup.emit(OperatorNotice(run=run, what=what))
 
 
 def _recut_of_plan(plan: Plan, delivery: DeliveredSampling) -> ResamplingRule | None:

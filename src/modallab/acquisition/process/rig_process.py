@@ -28,7 +28,7 @@ from modallab.acquisition.process.owner_link import (
 from modallab.acquisition.process.trip import Trip, TripLatch
 from modallab.bench.protocol import BenchInfo
 from modallab.core.child_process import start_child_process
-from modallab.core.documents.runs import Abort, Stop
+from modallab.core.documents.runs import AbortRun, StopRun
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.events import Event
 from modallab.core.plan import Plan
@@ -112,11 +112,11 @@ class RigProcess(RunControls):
 
     def stop(self) -> None:
         """End the active run; what it has recorded is valid."""
-        self._send(Stop())
+        self._send(StopRun())
 
     def abort(self) -> None:
         """End the active run; what it has recorded is kept and marked as invalid."""
-        self._send(Abort())
+        self._send(AbortRun())
 
     def emergency_stop(self, why: str = "by the operator") -> None:
         """Bring the output to 0 V past the rig's process where there is another way, trip the rig, abort the run.

@@ -1,7 +1,7 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from modallab.acquisition.monitor.live import LiveRingBuffer
-from modallab.acquisition.monitor.run_states import DropBlock, Emit, Excitation, OperatorRequests, RunLifecycle
+from modallab.acquisition.monitor.run_states import DropBlock, Emit, ExcitationState, OperatorRequests, RunLifecycle
 from modallab.acquisition.procedures.broadband import run_broadband
 from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.impact import run_impact
@@ -22,7 +22,7 @@ from modallab.acquisition.process.prepare_run import (
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError, OutputLostError
-from modallab.core.events import BlockDropped, Failed, Notice
+from modallab.core.events import BlockDropped, OperatorNotice, RunFailed
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.storage import Recorder, Store
@@ -45,7 +45,7 @@ def run_plan(
     requests: OperatorRequests | None = None,
     latch: TripLatch | None = None,
     supervision: str = "",
-    excitation: Excitation | None = None,
+    excitation: ExcitationState | None = None,
     live: LiveRingBuffer | None = None,
     expected: ExpectedModes | None = None,
 ) -> None:
@@ -74,7 +74,7 @@ def run_plan(
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = RunSetup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        requests or OperatorRequests(), latch, supervision, excitation or Excitation(), live, expected,
+        requests or OperatorRequests(), latch, supervision, excitation or ExcitationState(), live, expected,
     )  # fmt: skip
     try:
         try:
@@ -111,7 +111,7 @@ def _make_safe(setup: RunSetup) -> None:
     # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
     for error in make_safe(setup.bench)[:1]:
         remedy = f": {error.remedy}" if error.remedy else ""
-        setup.emit(Notice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
+        setup.emit(OperatorNotice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
 
 
 def _work_unless_ended(setup: RunSetup) -> None:
@@ -132,7 +132,7 @@ def _work(setup: RunSetup) -> None:
     if isinstance(setup.plan, BroadbandPlan):
         require_waves(setup.plan, setup.bench, setup.rig)
     if isinstance(setup.plan, SinePlan | BroadbandPlan):
-        setup.emit(Notice(run=setup.recorder.run, what=output_stop_in_words(setup.plan, setup)))
+        setup.emit(OperatorNotice(run=setup.recorder.run, what=output_stop_in_words(setup.plan, setup)))
     require_sensors_known(setup)
     context = prepare_run(setup)
     wait_for_supplies(setup, context)
@@ -153,7 +153,7 @@ def _work(setup: RunSetup) -> None:
 def _drop_left(setup: RunSetup) -> None:
     # A request that came after the last look is still a request; there is no more time to ask for the hit again.
     for request in setup.requests.take_all():
-        if isinstance(request, DropBlock) and setup.recorder.drop(request.block, request.reason):
+        if isinstance(request, DropBlock) and setup.recorder.drop_block(request.block, request.reason):
             setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 
@@ -167,7 +167,9 @@ def _end(setup: RunSetup, order: Order) -> None:
     else:
         life.enter_state("failed", _SAID[order])
         setup.emit(
-            Failed(run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue the run as a new run")
+            RunFailed(
+                run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue the run as a new run"
+            )
         )
 
 
@@ -189,4 +191,4 @@ def _fail(life: RunLifecycle, recorder: Recorder, emit: Emit, error: BaseExcepti
     except ModallabError:
         # A full disk may take not even the state; the next start marks the run as interrupted.
         pass
-    emit(Failed(run=recorder.run, code=known.code, what=known.what, remedy=known.remedy))
+    emit(RunFailed(run=recorder.run, code=known.code, what=known.what, remedy=known.remedy))

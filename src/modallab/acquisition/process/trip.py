@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, cast
 
-from modallab.core.errors import Http, SafetyError, StorageError
+from modallab.core.errors import HttpProblem, SafetyError, StorageError
 from modallab.core.frozen import Frozen
 
 FOLDER = "trips"
@@ -28,7 +28,7 @@ class TrippedError(SafetyError):
     """The rig is tripped: nothing is armed, and an active run has been ended."""
 
     code = "tripped"
-    http = Http(
+    http = HttpProblem(
         409, "The rig is tripped", "An emergency stop or a guard tripped the rig. Check the bench, then reset the rig."
     )
 

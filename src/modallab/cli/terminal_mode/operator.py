@@ -14,7 +14,7 @@ from modallab.cli.terminal_mode.session_state import Phase, SessionState
 from modallab.cli.terminal_mode.tones import Tones
 from modallab.core.block import Campaign
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import Accept, Command, Drop, Pause, Resume, Stop
+from modallab.core.documents.runs import AcceptHit, Command, DropHit, PauseRun, ResumeRun, StopRun
 from modallab.core.errors import ConfigurationError, ModallabError
 from modallab.core.setups import SensorMove
 from modallab.service.campaigns.local_session import LocalCampaign
@@ -209,14 +209,16 @@ class TerminalOperator:
 
 def _command(meaning: Meaning, state: SessionState) -> Command | None:
     if meaning == "pause":
-        return Resume() if state.phase == "paused" else Pause()
+        return ResumeRun() if state.phase == "paused" else PauseRun()
     if meaning == "quit":
-        return Stop()
+        return StopRun()
     if meaning == "undo":
         return (
-            None if state.last_good is None else Drop(n=state.last_good, reason="rejected by the operator afterwards")
+            None
+            if state.last_good is None
+            else DropHit(n=state.last_good, reason="rejected by the operator afterwards")
         )
-    return None if state.last_rejected is None else Accept(n=state.last_rejected)
+    return None if state.last_rejected is None else AcceptHit(n=state.last_rejected)
 
 
 class _AgreementWatch:

@@ -26,7 +26,7 @@ class RigChanged(Frozen):
     error: str
 
 
-class Tripped(Frozen):
+class RigTripped(Frozen):
     """A rig was tripped.
 
     Attributes:
@@ -41,7 +41,7 @@ class Tripped(Frozen):
     operator: str
 
 
-class Reset(Frozen):
+class RigReset(Frozen):
     """A rig may be driven again.
 
     Attributes:
@@ -145,7 +145,7 @@ class ArchiveChanged(Frozen):
 
 
 AnyEvent = Annotated[
-    Event | RigChanged | Tripped | Reset | JobChanged | BlockJudged | QueueChanged | ArchiveChanged,
+    Event | RigChanged | RigTripped | RigReset | JobChanged | BlockJudged | QueueChanged | ArchiveChanged,
     Field(discriminator="kind"),
 ]
 """The content of an event."""
@@ -205,7 +205,7 @@ class EnvelopeHeader(LiveHeader):
     overload: dict[str, tuple[int, ...]] = Field(default_factory=dict)
 
 
-class Axis(Frozen):
+class EvenFrequencies(Frozen):
     """Evenly spaced lines.
 
     Attributes:
@@ -246,4 +246,4 @@ class LiveFrfHeader(Frozen):
     outputs: tuple[str, ...]
     output_points: tuple[int | None, ...]
     coherence: bool
-    frequency_hz: Axis | tuple[float, ...]
+    frequency_hz: EvenFrequencies | tuple[float, ...]

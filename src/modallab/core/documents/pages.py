@@ -19,7 +19,7 @@ class Page(Frozen, Generic[Item]):
     next: str | None = None
 
 
-class Problem(Frozen):
+class ProblemDetails(Frozen):
     """Reason why a request was rejected (RFC 9457).
 
     Attributes:

@@ -13,7 +13,7 @@ Operator = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\
 """Name of a person, as it stands in the record of who did what."""
 
 
-class Trip(Frozen):
+class TripReason(Frozen):
     """Reason why a rig must not be driven until it is reset.
 
     Attributes:
@@ -64,7 +64,7 @@ class RigView(Frozen):
     state: RigState
     can_drive: bool | None = None
     run: str | None = None
-    trip: Trip | None = None
+    trip: TripReason | None = None
     lease: LeaseHolder | None = None
     error: str = ""
 

@@ -86,19 +86,19 @@ class RunRequest(Frozen):
     continues: Annotated[str, Field(max_length=64)] | None = None
 
 
-class Pause(Frozen):
+class PauseRun(Frozen):
     """Pause the run after the present block, with the excitation at zero."""
 
     kind: Literal["pause"] = "pause"
 
 
-class Resume(Frozen):
+class ResumeRun(Frozen):
     """Continue after a pause."""
 
     kind: Literal["resume"] = "resume"
 
 
-class Repeat(Frozen):
+class RepeatFrequency(Frozen):
     """Measure one frequency again; the new block replaces the old one.
 
     Attributes:
@@ -111,7 +111,7 @@ class Repeat(Frozen):
     level: str | None = None
 
 
-class Drop(Frozen):
+class DropHit(Frozen):
     """Reject one hit; it is requested again during the run.
 
     Attributes:
@@ -124,7 +124,7 @@ class Drop(Frozen):
     reason: Annotated[str, Field(max_length=400)] = "dropped by the operator"
 
 
-class Accept(Frozen):
+class AcceptHit(Frozen):
     """Accept a rejected or dropped hit, which is then not requested again; only while its hit is still requested.
 
     If the run waits for a decision on a hit, this command accepts the hit.
@@ -139,19 +139,21 @@ class Accept(Frozen):
     reason: Annotated[str, Field(max_length=400)] = "accepted at the bench"
 
 
-class Stop(Frozen):
+class StopRun(Frozen):
     """End the run; its blocks are valid."""
 
     kind: Literal["stop"] = "stop"
 
 
-class Abort(Frozen):
+class AbortRun(Frozen):
     """End the run; its blocks are kept and marked as invalid."""
 
     kind: Literal["abort"] = "abort"
 
 
-Command = Annotated[Pause | Resume | Repeat | Drop | Accept | Stop | Abort, Field(discriminator="kind")]
+Command = Annotated[
+    PauseRun | ResumeRun | RepeatFrequency | DropHit | AcceptHit | StopRun | AbortRun, Field(discriminator="kind")
+]
 
 
 class RunView(Frozen):
@@ -241,7 +243,7 @@ class BlockView(Frozen):
     facts: dict[str, float | str]
 
 
-class Verdict(Frozen):
+class BlockVerdict(Frozen):
     """An operator's verdict on a block.
 
     Attributes:

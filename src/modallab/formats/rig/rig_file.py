@@ -8,7 +8,7 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.errors import RigError
-from modallab.core.field_errors import Problem
+from modallab.core.field_errors import FieldProblem
 from modallab.core.hardware import Certificate
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
@@ -90,7 +90,7 @@ def write_rig(rig: Rig, path: Path) -> None:
         temporary.write_text(dump_rig(rig), encoding="utf-8")
 
 
-def _rejection(problems: list[Problem], where: str) -> RigError:
+def _rejection(problems: list[FieldProblem], where: str) -> RigError:
     count = "1 field is wrong" if len(problems) == 1 else f"{len(problems)} fields are wrong"
     lines = "".join(f"\n  {problem}" for problem in problems)
     return RigError(f"{count}:{lines}", where=where, remedy="correct the fields above; docs/reference/rig-file.md")

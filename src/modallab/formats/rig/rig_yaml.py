@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.core.effect import Revision
-from modallab.core.field_errors import INVALID, Problem, allowed_values, is_short_by_wrong_entries, quoted_value
+from modallab.core.field_errors import INVALID, FieldProblem, allowed_values, is_short_by_wrong_entries, quoted_value
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Certificate, Excitation, Shaker, Synchronisation
 from modallab.core.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
@@ -54,7 +54,7 @@ class _Loader(yaml.SafeLoader):
 
     def __init__(self, text: str) -> None:
         super().__init__(text)
-        self.repeated: list[Problem] = []
+        self.repeated: list[FieldProblem] = []
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         lines: dict[str, int] = {}
@@ -62,12 +62,12 @@ class _Loader(yaml.SafeLoader):
             name, line = str(key.value), key.start_mark.line + 1
             if name in lines and name != "<<":
                 found = f"found twice, in lines {lines[name]} and {line}"
-                self.repeated.append(Problem(name, found, "each field once"))
+                self.repeated.append(FieldProblem(name, found, "each field once"))
             lines[name] = line
         return super().construct_mapping(node, deep)
 
 
-def load_yaml(text: str) -> tuple[object, list[Problem]]:
+def load_yaml(text: str) -> tuple[object, list[FieldProblem]]:
     """The content of a YAML text, and a problem for every key that stands twice in a mapping.
 
     Raises:
@@ -92,7 +92,7 @@ def _tree(value: object, depth: int, left: list[int]) -> object:
     return Truth(value) if isinstance(value, bool) else value
 
 
-def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[Problem]:
+def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[FieldProblem]:
     """Every problem of a rig: those of single fields, and those between fields as far as they can be seen."""
     details = [d for d in error.errors() if d["type"] != "value_error" and not _other_arm(d)]
     details = [d for d in details if not is_short_by_wrong_entries(d, details)]
@@ -103,17 +103,17 @@ def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[
     return [*problems, *cross_problems(cast("Mapping[str, object]", sieved))]
 
 
-def _problem(detail: ErrorDetails) -> Problem:
+def _problem(detail: ErrorDetails) -> FieldProblem:
     loc, kind, value = detail["loc"], detail["type"], cast("object", detail["input"])
     if _SENSITIVITY in loc:
         return _sensitivity_problem(detail)
     field = _path(loc)
     if kind == "extra_forbidden":
-        return Problem(field, "no such field", _nearest(loc))
+        return FieldProblem(field, "no such field", _nearest(loc))
     found = "missing" if kind == "missing" else f"found {quoted_value(value)}"
     if kind == "literal_error" and loc == ("format_version",):
-        return Problem(field, found, "1 or 2; a newer file needs a newer modallab")
-    return Problem(field, found, allowed_values(detail))
+        return FieldProblem(field, found, "1 or 2; a newer file needs a newer modallab")
+    return FieldProblem(field, found, allowed_values(detail))
 
 
 def _other_arm(detail: ErrorDetails) -> bool:
@@ -124,12 +124,12 @@ def _other_arm(detail: ErrorDetails) -> bool:
     return isinstance(value, Mapping) or (isinstance(value, float) and detail["type"] == "dict_type")
 
 
-def _sensitivity_problem(detail: ErrorDetails) -> Problem:
+def _sensitivity_problem(detail: ErrorDetails) -> FieldProblem:
     place, value = _place(detail), cast("object", detail["input"])
     if "[key]" in detail["loc"]:
-        return Problem(_path(place), "no such test", " or ".join(_TESTS))
+        return FieldProblem(_path(place), "no such test", " or ".join(_TESTS))
     whole = place[-1] == _SENSITIVITY and not isinstance(value, float)
-    return Problem(_path(place), f"found {quoted_value(value)}", _PER_TEST if whole else allowed_values(detail))
+    return FieldProblem(_path(place), f"found {quoted_value(value)}", _PER_TEST if whole else allowed_values(detail))
 
 
 def _place(detail: ErrorDetails) -> tuple[int | str, ...]:

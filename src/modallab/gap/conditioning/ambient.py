@@ -31,7 +31,7 @@ LEADS = 1.024
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Ringing:
+class RingingOfHits:
     """Free decay at the start of the hits.
 
     Attributes:
@@ -48,7 +48,7 @@ class Ringing:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Floor:
+class BaseMotion:
     """Base motion.
 
     Attributes:
@@ -83,7 +83,9 @@ def moves_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> bool:
     return before_hit([b for b in blocks if b.test == "impact"], rig, noise_v) >= MOVES
 
 
-def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex, ratio: float = 1.0) -> Floor | None:
+def find_floor(
+    blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex, ratio: float = 1.0
+) -> BaseMotion | None:
     """Base motion that stands in most sine blocks beside the drive and the decays; None if there is none."""
     sines = [b for b in blocks if b.test == "sine"]
     if len(sines) < 4:
@@ -106,7 +108,7 @@ def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex,
     )
     # Near the clamp an accelerometer moves with the base: the one with the least motion shows it best.
     base = float(np.sqrt(np.min(np.sum(spectrum, axis=1)) * 2 * rate / n))
-    return Floor(base, float(np.sqrt(z)), spectrum, density, n / rate)
+    return BaseMotion(base, float(np.sqrt(z)), spectrum, density, n / rate)
 
 
 def _above_noise(powers: Sequence[Real]) -> Real:
@@ -148,7 +150,7 @@ def _beside_drive(
     return power
 
 
-def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex) -> Ringing | None:
+def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex) -> RingingOfHits | None:
     """Decays before the hits; None if the beam is at rest, or if what stands there is no decay."""
     hits = [b for b in blocks if b.test == "impact"]
     z = before_hit(hits, rig, noise_v)
@@ -166,10 +168,10 @@ def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Comple
     explained = 1 - (np.median(left) ** 2 - 1) / max(z**2 - 1, 1e-9)
     if explained < 0.5:
         return None
-    return Ringing(float(np.median(fractions)), z, states, poles)
+    return RingingOfHits(float(np.median(fractions)), z, states, poles)
 
 
-def without_ringing(block: Block, rig: Rig, ringing: Ringing) -> Block:
+def without_ringing(block: Block, rig: Rig, ringing: RingingOfHits) -> Block:
     """The record less its decay from before."""
     if block.name not in ringing.states:
         return block

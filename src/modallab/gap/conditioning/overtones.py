@@ -49,7 +49,7 @@ class Harmonic:
     spectrum: Complex
 
     @property
-    def clear(self) -> NDArray[np.bool_]:
+    def is_clear(self) -> NDArray[np.bool_]:
         """(channels,) on which it stands out of its neighbourhood."""
         return np.abs(self.y) > CLEAR * self.beside
 

@@ -10,8 +10,8 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.ambient import (
-    Floor,
-    Ringing,
+    BaseMotion,
+    RingingOfHits,
     find_floor,
     find_ringing,
     moves_before_hits,
@@ -121,8 +121,8 @@ class PreparedCampaign:
     hum_below_removal: tuple[float, Real] | None
     rising_v2: float
     clipped: tuple[ClippedChannel, ...]
-    ringing: Ringing | None
-    floor: Floor | None
+    ringing: RingingOfHits | None
+    floor: BaseMotion | None
     noisy: tuple[int, ...]
     repeated: tuple[int, ...]
     poles: Complex

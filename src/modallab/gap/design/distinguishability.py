@@ -50,15 +50,15 @@ class Distinguishability:
     left: Real
 
     @property
-    def least(self) -> Real:
+    def smallest_visible(self) -> Real:
         """(effects,) share of a plain size down to which an effect can be seen; above 1 a plain one is hidden."""
         return SEEN / np.maximum(self.left, 1e-9)
 
-    def hidden(self) -> list[str]:
+    def hidden_effects(self) -> list[str]:
         """Effects of a plain size that pass for a beam and a chain within their tolerances."""
         return [name for name, left in zip(self.effects, self.left, strict=True) if left < SEEN]
 
-    def alike(self) -> list[tuple[str, str, float]]:
+    def indistinguishable_pairs(self) -> list[tuple[str, str, float]]:
         """Pairs that cannot be distinguished, worst first."""
         n = len(self.effects)
         pairs = [
@@ -169,7 +169,7 @@ def advice_on_plan(found: Distinguishability, plans: Sequence[Plan]) -> list[str
         )
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
         advices.append("Add a second level: only two levels show an amplitude-dependent effect.")
-    pairs = {frozenset(pair[:2]) for pair in found.alike()}
+    pairs = {frozenset(pair[:2]) for pair in found.indistinguishable_pairs()}
     rivals = [(name, rival) for name, model in effect_models().items() for rival in model.rivals if rival.plan]
     advices += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]
     return advices

@@ -74,7 +74,7 @@ def next_experiments(campaign: Campaign, diagnosis: Diagnosis) -> list[Experimen
 
 
 def _expected_value(prospect: RankedExperiment) -> float:
-    return prospect.outlook.right - HOUR * prospect.option.seconds / 3600
+    return prospect.outlook.right - HOUR * prospect.option.duration_s / 3600
 
 
 def _experiment_of_prospect(prospect: RankedExperiment) -> Experiment:
@@ -83,11 +83,11 @@ def _experiment_of_prospect(prospect: RankedExperiment) -> Experiment:
         name=option.name,
         says=option.says,
         plans=option.plans,
-        seconds=option.seconds,
+        seconds=option.duration_s,
         now=float(np.max(outlook.chances)),
         expected=outlook.right,
         alone=outlook.alone,
-        nats=outlook.nats,
+        nats=outlook.log_likelihood_ratio,
     )
 
 

@@ -81,7 +81,7 @@ class ExpectedOutcome:
     chances: Real
 
     @property
-    def nats(self) -> float:
+    def log_likelihood_ratio(self) -> float:
         """Logarithm of the likelihoods' ratio of the true explanation to the one nearest to it, in the mean."""
         others = self.ratio + np.diag(np.full(len(self.ratio), np.inf))
         return float(self.chances @ np.min(others, axis=1))

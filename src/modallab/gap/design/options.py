@@ -53,7 +53,7 @@ class PossibleExperiment:
     plans: tuple[Plan, ...]
 
     @property
-    def seconds(self) -> float:
+    def duration_s(self) -> float:
         """What it takes at the bench, about."""
         return sum(_bench_seconds(plan) for plan in self.plans)
 

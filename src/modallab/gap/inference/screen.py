@@ -126,7 +126,7 @@ class Screen:
         cells = list(product(*(range(len(slot.starts)) for slot in candidate.slots)))
         own = [[slot.coordinate(slot.starts[k]) for slot, k in zip(candidate.slots, c, strict=True)] for c in cells]
         U = np.array([np.concatenate([self.u, numbers]) for numbers in own])
-        weakest = [] if candidate.size is None else candidate.slots[candidate.size].weakest
+        weakest = [] if candidate.size is None else candidate.slots[candidate.size].weakest_starts
         found = []
         for cell, u, twin in zip(cells, U, problem.twins(U), strict=True):
             smallest = candidate.size is not None and cell[candidate.size] in weakest

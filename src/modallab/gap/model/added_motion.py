@@ -29,8 +29,8 @@ def added_to_hits(twin: Twin, modes: TwinModes, d: ImpactData, source: HitsAtPoi
     """(channels, lines) acceleration per N that the element adds to the hits at one point, before the chain."""
     assert twin.element is not None
     x, gain = twin.struck_x_m(d.piece.drive_x_m), twin.hit_gain(d.piece.drive_x_m)
-    share = float(twin.drifted(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
-    modes = drifted_modes(twin.felt(modes), twin.ei_drift, share)
+    share = float(twin.share_of_drift(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
+    modes = drifted_modes(twin.modes_felt_by(modes), twin.ei_drift, share)
     own = couple_to_modes(twin.element, twin.structure, modes)
 
     def step() -> tuple[Complex, Complex]:
@@ -53,8 +53,8 @@ def added_to_sines(twin: Twin, modes: TwinModes, d: SineData, source: SineBlocks
     assert twin.element is not None
     element, structure = twin.element, twin.in_sine(d.pieces[0].drive_x_m)
     x = d.pieces[0].drive_x_m
-    shares = [float(twin.drifted(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
-    modes = twin.felt(modes)
+    shares = [float(twin.share_of_drift(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
+    modes = twin.modes_felt_by(modes)
     of_block = [drifted_modes(modes, twin.ei_drift, share) for share in shares]
     same = couple_to_modes(element, structure, modes)
     owns = [couple_to_modes(element, structure, m) if twin.ei_drift else same for m in of_block]

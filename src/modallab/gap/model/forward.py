@@ -77,7 +77,7 @@ def driven_at(twin: Twin, piece: Piece) -> tuple[float, float]:
 
 def drift_scale(twin: Twin, order: float | Real, data: Reduced) -> Real:
     """Factor that a drift has put on all frequencies at a place in time, in records."""
-    return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(order / data.last_order)))
+    return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.share_of_drift(order / data.last_order)))
 
 
 def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Real | None:

@@ -42,7 +42,7 @@ def improved_curve(fit: Fit) -> tuple[tuple[float, float], ...]:
     orders = np.array([*(d.piece.order for d in data.impacts), *(p.order for p in _sine_pieces(fit))]) / data.last_order
     twin = fit.problem.twin(fit.u)
     knots, inverse = np.unique(orders, return_inverse=True)
-    shares = twin.drifted(knots)
+    shares = twin.share_of_drift(knots)
     step = 1e-3
     r0 = _by_piece(fit.problem, fit.u, tuple(zip(knots.tolist(), shares.tolist(), strict=True)))
     r1 = _by_piece(fit.problem, fit.u, tuple(zip(knots.tolist(), (shares + step).tolist(), strict=True)))

@@ -133,7 +133,7 @@ def _rows_of_numbers(problem: Problem, u: Real, explained: Real, split: _SharesO
         split.row(
             "tolerance",
             "+".join(dict.fromkeys(numbers[k].name for k in group)),
-            _names_together([numbers[k].said for k in group]),
+            _names_together([numbers[k].in_words for k in group]),
             shares[group].sum(axis=0),
             ", ".join(dict.fromkeys(numbers[k].place for k in group if numbers[k].place)),
             float(u[group][np.argmax(np.abs(u[group]))]),

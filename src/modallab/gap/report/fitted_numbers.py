@@ -31,7 +31,7 @@ class FittedNumber:
     value: str = ""
 
     @property
-    def said(self) -> str:
+    def in_words(self) -> str:
         """Quantity and value: `Young's modulus +0.4 %`."""
         return f"{self.quantity} {self.value}".rstrip()
 

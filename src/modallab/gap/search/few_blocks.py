@@ -16,7 +16,7 @@ LOUDEST = 5
 def compared_sines(data: Reduced, overtones: Sequence[Harmonic], count: int) -> Reduced:
     """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
-    clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]
+    clear = [(o.record, int(np.count_nonzero(o.is_clear))) for o in overtones]
     counts = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
     loudest = [int(j) for j in np.argsort(counts, kind="stable")[::-1][:LOUDEST] if counts[j]]
     chosen = sorted({*_evenly_spaced(data.sines, count), *loudest})

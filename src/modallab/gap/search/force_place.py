@@ -83,7 +83,7 @@ def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts:
         data: says which channels there are and where.
         acts: what the law does at its place; at the root there is but one.
     """
-    clear = [o for o in found if np.count_nonzero(o.clear) >= FEWEST]
+    clear = [o for o in found if np.count_nonzero(o.is_clear) >= FEWEST]
     if not clear:
         return None
     tried: list[Place] = []

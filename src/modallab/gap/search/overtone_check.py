@@ -40,14 +40,14 @@ def _residual_shares(twin: Twin, rig: Rig, block: Block, unseen: Reduced) -> lis
     ratio = sine_clock(unseen)
     hz = (block.frequency_hz or 0.0) * ratio
     seen = harmonics_in_record(block.name, to_signals(block, rig).responses, block.rate_hz, hz)
-    if not any(np.any(o.clear) for o in seen):
+    if not any(np.any(o.is_clear) for o in seen):
         return []
     said = harmonics_in_record(
         block.name, predict_record(twin, rig, block, unseen.last_order, ratio), block.rate_hz, hz
     )
     found: list[float] = []
     for measured, predicted in zip(seen, said, strict=True):
-        clear = measured.clear
+        clear = measured.is_clear
         if np.any(clear):
             off = np.sum(np.abs(measured.y[clear] - predicted.y[clear]) ** 2)
             found.append(float(min(off / np.sum(np.abs(measured.y[clear]) ** 2), 1.0)))

@@ -27,7 +27,7 @@ def with_overtones(data: Reduced, overtones: Sequence[Harmonic]) -> Reduced:
     if data.sines is None:
         return data
     blocks, channels = len(data.sines.pieces), len(data.channels)
-    clear = {(o.record, o.order): o for o in overtones if np.count_nonzero(o.clear) >= FEWEST}
+    clear = {(o.record, o.order): o for o in overtones if np.count_nonzero(o.is_clear) >= FEWEST}
     orders = [k for k in ORDERS if any((p.name, k) in clear for p in data.sines.pieces)]
     groups = 1 + len(orders)
     rows, source = data.sines.rows, data.sines.source
@@ -43,7 +43,7 @@ def with_overtones(data: Reduced, overtones: Sequence[Harmonic]) -> Reduced:
                 continue
             lines[j, at] = o.lines
             y[:, j, at] = o.spectrum / source.force[j]
-            sigma[:, j, at] = np.where(o.clear, o.beside, np.inf)[:, None] / abs(source.force[j])
+            sigma[:, j, at] = np.where(o.is_clear, o.beside, np.inf)[:, None] / abs(source.force[j])
     count = blocks * groups * LINES
     common, direction = np.zeros(count), np.zeros((channels, count), dtype=np.complex128)
     kept = Rows(y.reshape(channels, -1), sigma.reshape(channels, -1), common, direction)

@@ -6,7 +6,7 @@ from typing import cast
 import numpy as np
 
 from modallab.core.diagnosis import GapDescription, Shrinkage
-from modallab.core.effect import Alternative, x_m_of
+from modallab.core.effect import AlternativeDescription, x_m_of
 from modallab.core.effects import Stage
 from modallab.core.progress import report_progress
 from modallab.core.rig import Rig
@@ -127,5 +127,7 @@ def _document_of(
         channels=[rig.channels[row].name for row in best.rows],
         shrink=closes,
         twin=calibrated_twin(best.fit, everything),
-        alternatives=[Alternative(says=learned_in_words(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
+        alternatives=[
+            AlternativeDescription(says=learned_in_words(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]
+        ],
     )

@@ -14,7 +14,7 @@ from modallab.service.api.problems import problem_kinds, problem_response
 from modallab.service.api.request_context import CALLER, LEASE, caller_of
 from modallab.service.context import Service
 from modallab.service.errors import LeaseNeededError, NotFoundError, RoleNeededError
-from modallab.service.records.sessions import Sessions
+from modallab.service.records.sessions import BrowserSessions
 from modallab.service.records.users import ValidTokens
 
 COOKIE = "modallab_session"
@@ -30,14 +30,14 @@ _ANY_RIG = "x-any-rig"
 _READS = frozenset({"GET", "HEAD"})
 
 
-class Guard:
+class AccessGuard:
     """Looks at Host, Origin, token and the size of the body."""
 
     def __init__(
         self,
         app: ASGIApp,
         callers: ValidTokens,
-        sessions: Sessions,
+        sessions: BrowserSessions,
         hosts: Iterable[str],
         body_bytes: int,
         origins: Iterable[str] = (),
@@ -236,7 +236,7 @@ def _rig_of(service: Service, named: dict[str, Any]) -> str | None:
         return str(named["rig"])
     try:
         if "run" in named:
-            entry = service.repository.entry(str(named["run"]))
+            entry = service.repository.run_entry(str(named["run"]))
             return None if entry is None else entry.rig
         campaign = named.get("campaign") or service.repository.campaign_of_job(str(named.get("job", "")))
         return service.repository.campaign(str(campaign)).rig if campaign else None

@@ -16,13 +16,13 @@ from starlette.middleware.cors import CORSMiddleware
 
 from modallab import __version__
 from modallab.core.discovery import declared_names
-from modallab.core.documents.pages import Problem
+from modallab.core.documents.pages import ProblemDetails
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
-from modallab.service.api.access import COOKIE, Guard
+from modallab.service.api.access import COOKIE, AccessGuard
 from modallab.service.api.asyncapi import asyncapi_of
 from modallab.service.api.blocks import SAMPLE_HEADERS
-from modallab.service.api.compression import Gzip, HeadRequests
+from modallab.service.api.compression import GzipResponses, HeadRequests
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations_of_document
 from modallab.service.api.events import EventFeed
 from modallab.service.api.pages import mount_manual, mount_page, mount_static
@@ -31,7 +31,7 @@ from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY
 from modallab.service.api.router import IdempotencyKeys
 from modallab.service.context import Service
-from modallab.service.records.sessions import Sessions
+from modallab.service.records.sessions import BrowserSessions
 from modallab.service.records.users import ValidTokens
 
 API_VERSION = "1.2"
@@ -63,7 +63,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.service, app.state.settings = service, settings
     app.state.keys = IdempotencyKeys(service.engine, secrets.token_hex(8))
     callers = app.state.callers = ValidTokens(service.engine, token)
-    app.state.sessions = Sessions(service.engine, callers.secret)
+    app.state.sessions = BrowserSessions(service.engine, callers.cookie_key)
     install_handlers(app)
     routers = resource_routers()
     for router in routers:
@@ -81,9 +81,9 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
 
 
 def _add_middleware(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(Gzip)
+    app.add_middleware(GzipResponses)
     app.add_middleware(
-        Guard,
+        AccessGuard,
         callers=app.state.callers,
         sessions=app.state.sessions,
         hosts={*LOOPBACK, settings.host, *settings.hosts},
@@ -130,7 +130,7 @@ def document_of(app: FastAPI) -> dict[str, Any]:
         return app.openapi_schema
     document = get_openapi(title=app.title, version=API_VERSION, routes=app.routes, summary=SUMMARY, description=ABOUT)
     parts: dict[str, Any] = document["components"]
-    parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
+    parts["schemas"]["ProblemDetails"] = ProblemDetails.model_json_schema(ref_template="#/components/schemas/{model}")
     for unused in ("HTTPValidationError", "ValidationError"):
         parts["schemas"].pop(unused, None)
     parts["securitySchemes"] = {

@@ -7,7 +7,7 @@ from fastapi import Body, Response
 from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.runs import BlockForce, BlockView, Verdict
+from modallab.core.documents.runs import BlockForce, BlockVerdict, BlockView
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page_of_items
 from modallab.service.api.router import make_router
@@ -23,7 +23,7 @@ from modallab.service.context import Service
 
 router = make_router("blocks")
 Judgement = Annotated[
-    Verdict, Body(openapi_examples={"reject": Example(value={"accepted": False, "reason": "someone walked by"})})
+    BlockVerdict, Body(openapi_examples={"reject": Example(value={"accepted": False, "reason": "someone walked by"})})
 ]
 SAMPLES = "application/octet-stream"
 SAMPLE_HEADERS = DTYPE, SHAPE, CRC32 = "Modallab-Dtype", "Modallab-Shape", "Modallab-Crc32"

@@ -15,7 +15,7 @@ LEVEL = 1
 KINDS = ("application/json", "application/problem+json", "text/html", "text/plain", "text/javascript", "text/css")
 
 
-class Gzip:
+class GzipResponses:
     """Compresses the answers of an application."""
 
     def __init__(self, app: ASGIApp) -> None:

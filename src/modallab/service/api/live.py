@@ -97,7 +97,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
         chosen = replace(chosen, idle=tuple(rigs))
 
     def rig_of(run: str) -> str:
-        entry = None if run in rigs else service.repository.entry(run)
+        entry = None if run in rigs else service.repository.run_entry(run)
         return rigs.get(run, "") if entry is None else entry.rig
 
     view = LiveView(service.folder, rig_of, chosen)

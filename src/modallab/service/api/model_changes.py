@@ -57,7 +57,7 @@ def modify_model(campaign: str, new: Annotated[ModificationRequest, Body()], ser
     return ModifiedView.of_fields(
         after,
         test=known.model.test,
-        changes=tuple(change.words for change in changes),
+        changes=tuple(change.description for change in changes),
         like=tuple(int(n) + 1 for n in after.like),
         conditioning=changed.conditioning,
         notes=tuple(notes_of(changed)),

@@ -14,7 +14,7 @@ from starlette.routing import Match
 
 from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
-from modallab.core.documents.pages import Problem
+from modallab.core.documents.pages import ProblemDetails
 from modallab.core.errors import DatabaseLostError, ModallabError
 from modallab.core.field_errors import is_short_by_wrong_entries
 
@@ -130,7 +130,7 @@ def documented_responses(*statuses: int) -> Responses:
 def problem_response(kind: ProblemKind, detail: str, headers: Mapping[str, str] | None = None, **more: Any) -> Response:
     """An answer that says what was wrong. An error's own code may say more than its kind's."""
     known: dict[str, Any] = {"title": kind.title, "status": kind.status, "code": kind.code, "detail": detail}
-    body = Problem(type=f"/problems/{kind.code}", **(known | more))
+    body = ProblemDetails(type=f"/problems/{kind.code}", **(known | more))
     text = body.model_dump_json(exclude_none=True)
     return Response(text, kind.status, headers=dict(headers or {}), media_type=MEDIA_TYPE)
 

@@ -17,7 +17,7 @@ from modallab.core.documents.rigs import (
     RigRevisionRequest,
     RigView,
     StopReason,
-    Trip,
+    TripReason,
 )
 from modallab.core.documents.runs import PlanCheck
 from modallab.core.errors import ConfigurationError, PlanError, RigError
@@ -108,7 +108,7 @@ def rig_view(service: Service, state: ControllerState) -> RigView:
         state=state.state,
         can_drive=None if state.info is None else state.info.can_drive,
         run=state.run,
-        trip=None if trip is None else Trip(cause=trip.cause, reason=trip.what, utc=trip.utc),
+        trip=None if trip is None else TripReason(cause=trip.cause, reason=trip.what, utc=trip.utc),
         lease=service.leases.holder(state.id),
         error=state.error,
     )

@@ -128,7 +128,7 @@ class RoleRoute(APIRoute):
 
     def get_route_handler(self) -> Handler:
         """The route's handler, with the look-up around it."""
-        handler = self.around(super().get_route_handler())
+        handler = self.wrap_handler(super().get_route_handler())
         extra = self.openapi_extra or {}
         known = _query_names(self.dependant)
 
@@ -142,7 +142,7 @@ class RoleRoute(APIRoute):
 
         return asked
 
-    def around(self, handler: Handler) -> Handler:
+    def wrap_handler(self, handler: Handler) -> Handler:
         """The handler with what else is to be done before and after it."""
         return handler
 
@@ -150,7 +150,7 @@ class RoleRoute(APIRoute):
 class IdempotentRoute(RoleRoute):
     """Looks at body and key before the route is called, and keeps the answer after it."""
 
-    def around(self, handler: Handler) -> Handler:
+    def wrap_handler(self, handler: Handler) -> Handler:
         """As the class says."""
 
         async def once(request: Request) -> Response:

@@ -12,14 +12,14 @@ from modallab.service.api.access import COOKIE, role_needed
 from modallab.service.api.problems import documented_responses, problem_kinds, problem_response
 from modallab.service.api.request_context import CallerOf
 from modallab.service.api.router import OPEN, make_router
-from modallab.service.records.sessions import Sessions, make_link
+from modallab.service.records.sessions import BrowserSessions, make_link
 from modallab.service.records.users import ValidTokens
 
 router = make_router("session")
 pages = APIRouter(include_in_schema=False)
 
 
-class Login(Frozen):
+class LoginRequest(Frozen):
     """Credentials of a user.
 
     Attributes:
@@ -30,7 +30,7 @@ class Login(Frozen):
 
 
 @router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
-def log_in(login: Login, request: Request) -> Response:
+def log_in(login: LoginRequest, request: Request) -> Response:
     """Get a cookie that replaces the token; scripts cannot read it, and other sites cannot send it."""
     callers: ValidTokens = request.app.state.callers
     caller = callers.of_token(login.token)
@@ -44,7 +44,7 @@ def log_in(login: Login, request: Request) -> Response:
 @router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_out(request: Request) -> Response:
     """Log out: the cookie becomes invalid, including all copies."""
-    sessions: Sessions = request.app.state.sessions
+    sessions: BrowserSessions = request.app.state.sessions
     sessions.end(request.cookies.get(COOKIE, ""))
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, path="/")
@@ -64,7 +64,7 @@ def make_login_link(caller: CallerOf, request: Request, response: Response) -> L
     """Get an address that logs a browser in as yourself, once, within ten minutes."""
     response.headers["Cache-Control"] = "no-store"
     callers: ValidTokens = request.app.state.callers
-    path, until = make_link(request.app.state.service.engine, caller.token, callers.secret(caller.token))
+    path, until = make_link(request.app.state.service.engine, caller.token, callers.cookie_key(caller.token))
     return LoginLink(path=path, expires_utc=until)
 
 
@@ -74,7 +74,7 @@ def follow_link(key: Annotated[str, Query(max_length=200)], request: Request) ->
     if "prefetch" in request.headers.get("sec-purpose", ""):
         # Nobody has opened it yet.
         return Response(status_code=204)
-    sessions: Sessions = request.app.state.sessions
+    sessions: BrowserSessions = request.app.state.sessions
     token = sessions.use_link(key)
     if token is None:
         return _wrong_token("this link was used, or has expired")
@@ -84,7 +84,7 @@ def follow_link(key: Annotated[str, Query(max_length=200)], request: Request) ->
 
 
 def _begin_session(request: Request, response: Response, token: str) -> None:
-    sessions: Sessions = request.app.state.sessions
+    sessions: BrowserSessions = request.app.state.sessions
     secure = request.url.scheme == "https"
     response.set_cookie(COOKIE, sessions.begin(token), httponly=True, samesite="strict", secure=secure, path="/")
 

@@ -12,7 +12,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.records.users import Users, ValidTokens
+from modallab.service.records.users import UserTable, ValidTokens
 
 router = make_router("users")
 ADMIN = role_needed("admin")
@@ -89,8 +89,8 @@ def revoke_token(user: str, token: str, service: ServiceOf, operator: Operator, 
     return revoked
 
 
-def _users(service: Service) -> Users:
-    return Users(service.engine)
+def _users(service: Service) -> UserTable:
+    return UserTable(service.engine)
 
 
 def _refresh(request: Request) -> None:

@@ -15,7 +15,7 @@ from modallab.frf.broadband import PERIODIC, broadband_frf, driven_band
 from modallab.frf.estimate import convert_frf
 from modallab.frf.joined import contiguous_blocks
 from modallab.frf.running import RunningFrf
-from modallab.frf.stepped import Line, frf_of_lines, line_of
+from modallab.frf.stepped import SineLine, frf_of_lines, line_of
 from modallab.service.campaigns.live_samples import binary_message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
@@ -70,7 +70,7 @@ class FrfWatch:
             record_of(self.service, self.chosen.run)
             self._known = True
         try:
-            self._seen, found = self.service.frfs().news(self.chosen.run, self.chosen.outputs, self._seen)
+            self._seen, found = self.service.frfs().changed_points(self.chosen.run, self.chosen.outputs, self._seen)
         except ConflictError:
             return []
         return [self._message(frf) for frf in found]
@@ -136,7 +136,7 @@ class LiveFrfs:
             followed.follow(self._store)
             return convert_frf(followed.sums.frf(followed.points, estimator), "mobility")
 
-    def news(self, run: str, outputs: tuple[str, ...], seen: Revisions) -> tuple[Revisions, list[Frf]]:
+    def changed_points(self, run: str, outputs: tuple[str, ...], seen: Revisions) -> tuple[Revisions, list[Frf]]:
         """As `frf`, point by point, of the points whose FRF is another one than `seen`; and what is seen with them.
 
         The revision of a point grows when its FRF changes.
@@ -190,7 +190,7 @@ class _FollowedRun:
         self.sums.forget(gone, changed)
         self._seen = {n: point for n, point in self._seen.items() if point not in changed}
         self._added &= self._seen.keys()
-        for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
+        for block in store.iterate_blocks(self.run, numbers=counted - self._seen.keys()):
             self._seen[block.order] = block.drive_point
             # A block with any channel at full scale counts nowhere, whichever channels are looked at.
             if not overloaded_channels(block, self._rig):
@@ -222,12 +222,12 @@ class _HitSums:
         signals = to_signals(block, self._rig)
         if self._running is None:
             self._running = RunningFrf(self._rig, signals, (LOWEST_HZ, USABLE * block.rate_hz))
-        self._running.add(signals)
+        self._running.add_hit(signals)
 
     def forget(self, _numbers: set[int], points: set[int | None]) -> None:
         if self._running is not None:
             for point in points:
-                self._running.forget(point)
+                self._running.remove_point(point)
 
     def frf(self, points: tuple[int | None, ...] | None, estimator: FrfEstimator = "H1") -> Frf:
         assert self._running is not None
@@ -239,7 +239,7 @@ class _SineLines:
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
-        self._lines: dict[int, tuple[str | None, Line]] = {}
+        self._lines: dict[int, tuple[str | None, SineLine]] = {}
 
     @property
     def empty(self) -> bool:
@@ -261,7 +261,7 @@ class _SineLines:
             )
         return frf_of_lines(self._of_last_level(), self._rig)
 
-    def _of_last_level(self) -> list[Line]:
+    def _of_last_level(self) -> list[SineLine]:
         last = self._lines[max(self._lines)][0] if self._lines else None
         return [line for level, line in self._lines.values() if level == last]
 

@@ -21,7 +21,7 @@ def _utc_now() -> datetime:
     return datetime.now(UTC)
 
 
-class Purge:
+class PurgeTimer:
     """Looks now and then. A clock that is set forward while the service runs ends no grace time."""
 
     def __init__(

@@ -62,7 +62,7 @@ def _complete_plan(service: Service, campaign: str, new: RunRequest) -> Plan:
         if new.plan is None:
             raise ConflictError("a run needs a plan, or a run to continue", where="plan", remedy="send a plan")
         return new.plan
-    before = service.repository.entry(new.continues)
+    before = service.repository.run_entry(new.continues)
     if before is None or before.campaign != campaign:
         raise NotFoundError(
             f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="read the list of its runs"

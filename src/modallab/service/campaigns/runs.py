@@ -4,7 +4,7 @@ import numpy as np
 from sqlalchemy import select
 
 from modallab.core.documents.messages import BlockJudged
-from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
+from modallab.core.documents.runs import AcceptHit, BlockVerdict, BlockView, DropHit, RunView
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.background import IdentificationAfterRun
@@ -40,7 +40,7 @@ def run_view(service: Service, run: str) -> RunView:
         NotFoundError: there is none of this name.
     """
     record = record_of(service, run)
-    entry = service.repository.entry(run)
+    entry = service.repository.run_entry(run)
     blocks = service.store.catalogue.blocks(run)
     aside = None if entry is None else Archive(service.engine).run(run, entry.campaign)
     return RunView.of_fields(
@@ -99,7 +99,7 @@ def read_samples(service: Service, block: BlockRecord) -> Samples:
 
 
 def judge_block(
-    service: Service, run: str, n: int, verdict: Verdict, lease: str | None, operator: str = "unknown"
+    service: Service, run: str, n: int, verdict: BlockVerdict, lease: str | None, operator: str = "unknown"
 ) -> None:
     """Accept or reject a block of a run, going on or ended.
 
@@ -111,7 +111,7 @@ def judge_block(
         ConflictError: the run belongs to no campaign.
         PlanError: a block is accepted in a test that goes on and is no impact test.
     """
-    block, record, entry = block_record(service, run, n), record_of(service, run), service.repository.entry(run)
+    block, record, entry = block_record(service, run, n), record_of(service, run), service.repository.run_entry(run)
     if entry is None:
         raise ConflictError(
             f"run {run} belongs to no campaign of this service", where=run, remedy="use the program that started it"
@@ -129,12 +129,12 @@ def judge_block(
     audit.enter_action(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
     given = BlockJudged(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
     service.log.append(given.kind, EventTopic(entry.rig, entry.campaign, run), given.model_dump())
-    IdentificationAfterRun(service.store, service.jobs).judged(run)
+    IdentificationAfterRun(service.store, service.jobs).block_judged(run)
 
 
-def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:
+def _while_running(service: Service, rig: str, run: str, n: int, verdict: BlockVerdict, lease: str | None) -> None:
     reason = verdict.reason
     if verdict.accepted:
-        service.control.command(rig, run, Accept(n=n, reason=reason or "accepted at the bench"), lease)
+        service.control.command(rig, run, AcceptHit(n=n, reason=reason or "accepted at the bench"), lease)
     else:
-        service.control.command(rig, run, Drop(n=n, reason=reason or "rejected by the operator"), lease)
+        service.control.command(rig, run, DropHit(n=n, reason=reason or "rejected by the operator"), lease)

@@ -53,7 +53,7 @@ class JobWatch:
             )  # fmt: skip
             topic = EventTopic(campaign=self._repository.campaign_of_job(name))
             self._log.append(changed.kind, topic, changed.model_dump(mode="json"))
-        if job.ended:
+        if job.has_ended:
             self._known.pop(name, None)
         else:
             self._known[name] = stand
@@ -84,7 +84,7 @@ class IdentificationAfterRun:
         except ModallabError as error:
             LOG.warning("run %s: not identified: %s", run, error)
 
-    def judged(self, run: str) -> None:
+    def block_judged(self, run: str) -> None:
         """A block of an ended run was judged: what waits or goes on is done with the blocks that count now.
 
         An identification of the run itself is ordered where there is none: it was cancelled, or nothing counted. Where
@@ -108,7 +108,7 @@ class IdentificationAfterRun:
             self._repository.add_job(campaign, newer, "service")
 
     def _identified(self, run: str) -> bool:
-        entry = self._repository.entry(run)
+        entry = self._repository.run_entry(run)
         names = [] if entry is None else self._repository.jobs(entry.campaign, "identify")
         alive = ("queued", "running", "done")
         return any(run in job.inputs and job.state in alive for job in map(self._jobs.get, names))
@@ -122,10 +122,10 @@ class IdentificationAfterRun:
 
     def identify(self, run: str) -> Job:
         """Order the model of a run and of all it continues."""
-        runs = self._repository.chain(run)
+        runs = self._repository.runs_continued(run)
         job = self._jobs.submit("identify", {}, runs, self._store.revision(runs), automatic=True)
         self._jobs.supersede(job)
-        entry = self._repository.entry(run)
+        entry = self._repository.run_entry(run)
         if entry is not None:
             self._repository.add_job(entry.campaign, job, "service")
         return job

@@ -34,7 +34,7 @@ def order_estimate(service: Service, run: str, operator: str) -> Job:
         NotFoundError: no such run in a campaign.
         ConflictError: the run has no good block yet, or the campaign is archived or deleted.
     """
-    entry = service.repository.entry(run)
+    entry = service.repository.run_entry(run)
     if entry is None:
         raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="read the list of runs of a campaign")
     Archive(service.engine).require_present(entry.campaign)
@@ -117,7 +117,7 @@ def none_yet(whose: str, campaign: str, kind: str, newest: Job | None) -> NotFou
         return NotFoundError(f"{whose} has no {noun}", where=whose, remedy=f"order one by a {order_at}, and wait")
     why, known = split_remedy(newest.error or "")
     remedy = known or (
-        f"order the job again by a {order_at}" if newest.ended else f"wait until job {newest.id} has ended"
+        f"order the job again by a {order_at}" if newest.has_ended else f"wait until job {newest.id} has ended"
     )
     said = f"the {noun} of {whose} is {newest.state}{': ' if why else ''}{why}"
     return NotFoundError(said, where=whose, remedy=remedy)

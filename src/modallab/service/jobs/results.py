@@ -72,7 +72,7 @@ def models_of_run(service: Service, run: str) -> ModelsView:
 
 
 def _jobs_of_run(service: Service, run: str) -> tuple[str, list[Job]]:
-    entry = service.repository.entry(run)
+    entry = service.repository.run_entry(run)
     if entry is None:
         raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="read the list of runs of a campaign")
     return entry.campaign, [job for job in campaign_jobs(service, entry.campaign) if run in job.inputs]

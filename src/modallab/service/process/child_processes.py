@@ -49,7 +49,7 @@ class ProcessList:
         self._path.unlink(missing_ok=True)
         return tuple(process.pid for process in left)
 
-    def note(self, name: str, pid: int | None, *, leaves: bool = False) -> None:
+    def add(self, name: str, pid: int | None, *, leaves: bool = False) -> None:
         """A process was started; `leaves` if it leaves by itself, in good order, once its owner is dead."""
         if pid is None or self._known.get(name, (0,))[0] == pid:
             return
@@ -98,7 +98,7 @@ AT_MOST = 5.0
 """However busy the machine: so many times the time-out, by the clock, is too long."""
 
 
-class Child:
+class SupervisedProcess:
     """One such process. `started` is called with this end of its pipe each time; None through it asks it to leave."""
 
     def __init__(

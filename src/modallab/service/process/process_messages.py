@@ -15,12 +15,12 @@ from typing import Any
 
 from modallab.core.errors import ModallabError
 from modallab.service.errors import RigUnavailableError
-from modallab.service.rigs.control import Control
+from modallab.service.rigs.control import RigControl
 
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
-CALLS = frozenset(name for name in vars(Control) if not name.startswith("_"))
+CALLS = frozenset(name for name in vars(RigControl) if not name.startswith("_"))
 """What the REST process may have done."""
 
 
@@ -125,7 +125,7 @@ class RemoteControl:
 class CallServer:
     """The supervisor's end: hears calls, has each done on a thread of its own, knows when it last heard anything."""
 
-    def __init__(self, connection: Connection, control: Control) -> None:
+    def __init__(self, connection: Connection, control: RigControl) -> None:
         self._connection = connection
         self._control = control
         self._sending = Lock()

@@ -18,10 +18,10 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
-from modallab.service.campaigns.purge import Purge
+from modallab.service.campaigns.purge import PurgeTimer
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import IdentificationAfterRun, JobWatch
-from modallab.service.process.child_processes import Child, HeartbeatTimer, ProcessList
+from modallab.service.process.child_processes import HeartbeatTimer, ProcessList, SupervisedProcess
 from modallab.service.process.connections import bound_socket, port_taken_error, raise_connection_limit
 from modallab.service.process.process_messages import CallServer
 from modallab.service.process.stop_listener import StopListener
@@ -82,7 +82,7 @@ class ServiceSupervisor:
         after = IdentificationAfterRun(self.store, jobs)
         self._recovery = RunRecovery(run_log, after)
         self._recovery.check_now()
-        self._purge = Purge(self.store)
+        self._purge = PurgeTimer(self.store)
         listener = bound_socket(settings.host, settings.port)
         benches = _benches(rigs, run_log, settings.data)
         leases = RigLeases(self.store.catalogue.engine, boot)
@@ -90,8 +90,8 @@ class ServiceSupervisor:
         self._stop = self._stop_listener()
         self.place = ServiceAddress(settings.host, listener.getsockname()[1], self._stop.port)
         settings = settings.model_copy(update={"stop_port": self._stop.port})
-        self._api = Child("api", API, (settings, token, boot), self._api_started, handles=(listener,))
-        self._jobs = Child("jobs", JOBS, (settings,), self._jobs_started, grace_s=LEAVE_S)
+        self._api = SupervisedProcess("api", API, (settings, token, boot), self._api_started, handles=(listener,))
+        self._jobs = SupervisedProcess("jobs", JOBS, (settings,), self._jobs_started, grace_s=LEAVE_S)
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
@@ -196,7 +196,7 @@ class ServiceSupervisor:
                     # Its imports take seconds of processor time, and the REST service comes first.
                     self._look_after(self._jobs)
                 for name, pid in self.controllers.rig_processes().items():
-                    self._orphans.note(name, pid, leaves=True)
+                    self._orphans.add(name, pid, leaves=True)
                 self._run_log.log.flush()
                 self._watch.check_now()
                 self._recovery.check_now()
@@ -206,9 +206,9 @@ class ServiceSupervisor:
         # The system ends children with the thread that started them.
         self._closed.wait()
 
-    def _look_after(self, child: Child) -> None:
+    def _look_after(self, child: SupervisedProcess) -> None:
         child.check_now()
-        self._orphans.note(child.name, child.pid)
+        self._orphans.add(child.name, child.pid)
 
     def _guard(self) -> None:
         """The heartbeat, which waits for nothing."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import uvicorn
     from fastapi import FastAPI
 
-    from modallab.service.rigs.control import Control
+    from modallab.service.rigs.control import RigControl
 
 LOOK_S = 0.2
 
@@ -76,7 +76,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
             server.force_exit = True
 
     control = RemoteControl(connection, gone)
-    service = open_service(settings.data, cast("Control", control), boot)
+    service = open_service(settings.data, cast("RigControl", control), boot)
     app = create_app(service, settings, token)
     control.on_events = app.state.feed.check_now
     server = uvicorn.Server(_configuration(app, settings))
@@ -128,7 +128,7 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
     set_up(settings.log_level)
     # Imported here: the supervisor, which is the same program, needs none of it.
     from modallab.jobs import Jobs
-    from modallab.jobs.runner import Runner
+    from modallab.jobs.runner import JobRunner
     from modallab.pipelines.job_kinds import campaigns_of, kinds
     from modallab.service.process.start_up import tls_of
     from modallab.storage import Store
@@ -136,7 +136,7 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
     with Store(settings.data) as store:
         jobs = Jobs(store.catalogue.engine)
         known = kinds(campaigns_of(store), store.folder, store.revision, campaigns_of(store, ended=False))
-        runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
+        runner = JobRunner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
         # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
         reported = ComputingProcesses(runner.owner, {})
         with suppress(EOFError, OSError):

@@ -186,16 +186,16 @@ class CampaignRepository:
         with write_transaction(self._engine) as connection:
             connection.execute(update(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run).values(code=code))
 
-    def entry(self, run: str) -> RunEntry | None:
+    def run_entry(self, run: str) -> RunEntry | None:
         """What the repository says of a run; None if it belongs to no campaign."""
         with read_transaction(self._engine) as connection:
             row = connection.execute(select(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run)).mappings().one_or_none()
         return None if row is None else RunEntry(**{name: row[name] for name in _ENTRY})
 
-    def chain(self, run: str) -> tuple[str, ...]:
+    def runs_continued(self, run: str) -> tuple[str, ...]:
         """A run with all it continues, the oldest first."""
         found = [run]
-        while (entry := self.entry(found[0])) is not None and entry.continues and entry.continues not in found:
+        while (entry := self.run_entry(found[0])) is not None and entry.continues and entry.continues not in found:
             found.insert(0, entry.continues)
         return tuple(found)
 

@@ -113,7 +113,7 @@ class RunQueue:
             audit.add_audit_note(connection, operator, "skip-queued", item, {"reason": reason})
             return _item_row(connection, item)
 
-    def set(self, item: str, state: QueueState, *, run: str = "", reason: str = "") -> QueueItem:
+    def set_state(self, item: str, state: QueueState, *, run: str = "", reason: str = "") -> QueueItem:
         """Enter how an item stands.
 
         Raises:

@@ -15,7 +15,7 @@ LIFE = timedelta(days=30)
 LINK_LIFE = timedelta(minutes=10)
 
 
-class Sessions:
+class BrowserSessions:
     """Browsers that are logged in, and links that log one in; void once their token is. Only hashes are kept."""
 
     def __init__(self, engine: Engine, secret: Callable[[str], str]) -> None:

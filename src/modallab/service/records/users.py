@@ -28,7 +28,7 @@ from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import TOKENS, USERS
 
 
-class Users:
+class UserTable:
     """Users and tokens. A name is used once: the record of who did what must not speak of two people."""
 
     def __init__(self, engine: Engine) -> None:
@@ -135,7 +135,7 @@ class Users:
                 audit.add_audit_note(connection, by, "revoke-token", name, {"token": ident})
             return _token(connection, name, ident)
 
-    def digests(self) -> dict[str, tuple[str, TokenView]]:
+    def token_digests(self) -> dict[str, tuple[str, TokenView]]:
         """Every token that was not revoked, nor its user: id -> its digest, and what may be done with it.
 
         Raises:
@@ -208,7 +208,7 @@ class ValidTokens:
         Raises:
             StorageError: they cannot be read.
         """
-        self._users = Users(engine)
+        self._users = UserTable(engine)
         self._own = token
         self._known: dict[str, tuple[str, TokenView]] = {}
         self._closing = Flag()
@@ -228,7 +228,7 @@ class ValidTokens:
         Raises:
             StorageError: they cannot be read; those that were known still are.
         """
-        self._known = self._users.digests()
+        self._known = self._users.token_digests()
 
     def of_token(self, sent: str) -> CallerView | None:
         """Whose a token is; None if it counts for nothing."""
@@ -250,7 +250,7 @@ class ValidTokens:
         view = known[1]
         return CallerView(name=view.user, role=view.role, rigs=view.rigs, token=ident, expires_utc=view.expires_utc)
 
-    def secret(self, ident: str) -> str:
+    def cookie_key(self, ident: str) -> str:
         """What cookies of a token are hashed with: with another token they are void; "" if it counts for nothing."""
         if ident == "":
             return self._own

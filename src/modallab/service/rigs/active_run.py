@@ -8,9 +8,9 @@ from threading import Lock
 
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.rig_process import RigProcess
-from modallab.core.documents.runs import Accept, Command, Drop, Repeat
+from modallab.core.documents.runs import AcceptHit, Command, DropHit, RepeatFrequency
 from modallab.core.errors import ModallabError, StorageError
-from modallab.core.events import Event, Failed, RunState, StateChanged
+from modallab.core.events import Event, RunFailed, RunState, StateChanged
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.service.errors import NotFoundError, RigUnavailableError
 from modallab.service.records import audit
@@ -33,7 +33,7 @@ class RequestedRun:
         self._lock = Lock()
         self._on_its_way = self._given_up = False
 
-    def wait(self, patience_s: float) -> str:
+    def wait_for_name(self, patience_s: float) -> str:
         """The run's name, once it has begun.
 
         Raises:
@@ -103,7 +103,7 @@ class ActiveRun:
         """What its events are about."""
         return EventTopic(self._rig, self._order.campaign, self.run)
 
-    def follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
+    def run_to_end(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         """Run the plan to its end. `begun` gets the run's name; what kept it from beginning is returned, not raised."""
         with self.run_log.ends.following(self):
             return self._follow(process, begun)
@@ -118,11 +118,11 @@ class ActiveRun:
         """
         require_action(self.state, command.kind)
         simple = {"pause": process.pause, "resume": process.resume, "stop": process.stop, "abort": process.abort}
-        if isinstance(command, Repeat):
+        if isinstance(command, RepeatFrequency):
             process.repeat(command.frequency_hz, command.level or "")
-        elif isinstance(command, Drop):
+        elif isinstance(command, DropHit):
             process.drop(self._block_name(command.n), command.reason)
-        elif isinstance(command, Accept):
+        elif isinstance(command, AcceptHit):
             process.accept(self._block_name(command.n), command.reason, operator)
         else:
             simple[command.kind]()
@@ -170,9 +170,9 @@ class ActiveRun:
         if isinstance(event, StateChanged):
             self.state = event.state
             if event.state in ENDED:
-                self.run_log.ends.notify(self.run)
+                self.run_log.ends.must_report(self.run)
         self.run_log.log.append(event.kind, self.topic, event.model_dump(mode="json"))
-        if isinstance(event, Failed):
+        if isinstance(event, RunFailed):
             self._keep_code(event.code)
 
     def _ended_by(self, error: ModallabError) -> None:
@@ -183,7 +183,7 @@ class ActiveRun:
         with suppress(ModallabError):
             reason = self.run_log.store.catalogue.run(self.run).reason or reason
         self._note(StateChanged(run=self.run, state="failed", reason=reason))
-        self._note(Failed(run=self.run, code=error.code, what=error.what, remedy=error.remedy))
+        self._note(RunFailed(run=self.run, code=error.code, what=error.what, remedy=error.remedy))
 
     def _keep_code(self, code: str) -> None:
         try:

@@ -48,7 +48,7 @@ class Consent:
         )
 
 
-class Consents:
+class RigConsents:
     """Those of all rigs, and the rigs that were stopped in an emergency. From any thread; waits for nothing."""
 
     def __init__(self) -> None:

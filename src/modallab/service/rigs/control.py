@@ -65,7 +65,7 @@ class ControllerState:
     since: str = ""
 
 
-class Control(Protocol):
+class RigControl(Protocol):
     """Commands to the rigs. Those that move something need the rig's lease; an emergency stop needs none."""
 
     def states(self) -> tuple[ControllerState, ...]:

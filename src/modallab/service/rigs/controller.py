@@ -129,7 +129,7 @@ class RigController:
     def _before(self, order: StartRun) -> str | None:
         requested = self._last_requested
         if requested is not None and requested.is_of(order):
-            return requested.wait(self._begin_s)
+            return requested.wait_for_name(self._begin_s)
         return None if order.key is None else self._run_log.repository.run_of(order.key)
 
     def _start(self, order: StartRun, operator: str) -> str:
@@ -143,7 +143,7 @@ class RigController:
             raise RigUnavailableError.of(f"the rig is {self._state}", self._error, self.bench.id)
         requested = self._last_requested = RequestedRun(order, operator)
         self._requested.put(requested)
-        return requested.wait(self._begin_s)
+        return requested.wait_for_name(self._begin_s)
 
     def command(self, run: str, command: Command, operator: str) -> None:
         """Pass a command on to the active run.
@@ -163,7 +163,7 @@ class RigController:
         Raises:
             ModallabError: the output could not be reached.
         """
-        self._stop.press(self._process, reason, operator)
+        self._stop.stop_output(self._process, reason, operator)
 
     def reset(self, reason: str, operator: str) -> None:
         """Let it be driven again.
@@ -254,7 +254,7 @@ class RigController:
         self._active = active
         self._is("running")
         try:
-            kept_from_it = active.follow(process, requested.begun)
+            kept_from_it = active.run_to_end(process, requested.begun)
         finally:
             self._active = None
             self._is("idle" if process.process.is_alive() else "starting")

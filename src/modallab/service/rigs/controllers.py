@@ -11,7 +11,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.service.errors import LeaseNeededError, NotFoundError
 from modallab.service.records.leases import RigLeases
-from modallab.service.rigs.consents import Consent, Consents
+from modallab.service.rigs.consents import Consent, RigConsents
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.controller import RigController
 
@@ -23,7 +23,7 @@ class RigControllers:
         self._controllers = {controller.bench.id: controller for controller in controllers}
         self._leases = leases
         self.others: Callable[[], dict[str, int]] = dict
-        self.consents = Consents()
+        self.consents = RigConsents()
 
     def states(self) -> tuple[ControllerState, ...]:
         """How every rig stands."""

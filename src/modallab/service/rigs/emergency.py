@@ -25,7 +25,7 @@ class EmergencyStop:
         self._stopped: RigProcess | None = None
         self._unwritten = ""
 
-    def press(self, process: RigProcess | None, reason: str, operator: str) -> None:
+    def stop_output(self, process: RigProcess | None, reason: str, operator: str) -> None:
         """Bring the output to 0 V, and latch.
 
         Raises:

@@ -158,7 +158,7 @@ class QueueRunner:
             self._set(item, "waiting")
 
     def _set(self, item: QueueItem, state: QueueState, *, run: str = "", reason: str = "") -> None:
-        self._queue.set(item.id, state, run=run, reason=reason)
+        self._queue.set_state(item.id, state, run=run, reason=reason)
         self._notify(item.rig, item=item.id, state=state, run=run, reason=reason)
 
     def _fail(self, item: QueueItem, why: str, pause: str, run: str = "") -> None:

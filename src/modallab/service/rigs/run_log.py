@@ -10,7 +10,7 @@ from typing import Protocol
 
 from sqlalchemy import Engine, func, select
 
-from modallab.core.documents.messages import Reset, RigChanged, Tripped
+from modallab.core.documents.messages import RigChanged, RigReset, RigTripped
 from modallab.core.documents.rigs import RigState
 from modallab.core.errors import StorageError
 from modallab.core.events import StateChanged
@@ -54,7 +54,7 @@ class EndedRunNotifier:
             with self._lock:
                 self._followed.remove(active)
 
-    def notify(self, run: str) -> bool:
+    def must_report(self, run: str) -> bool:
         """Whether this end is to be reported: nobody has."""
         with self._lock:
             new = run not in self._reported
@@ -95,13 +95,13 @@ class RunLog:
 
     def tripped(self, rig: str, reason: str, operator: str) -> None:
         """Someone or something stopped the rig. Whoever stops waits neither for the disk nor for the database."""
-        said = Tripped(rig=rig, reason=reason, operator=operator)
+        said = RigTripped(rig=rig, reason=reason, operator=operator)
         self.log.append_later(said.kind, EventTopic(rig=rig), said.model_dump())
         self._stops.put((operator, rig, reason))
 
     def reset(self, rig: str, reason: str, operator: str) -> None:
         """Someone has reset it."""
-        said = Reset(rig=rig, reason=reason, operator=operator)
+        said = RigReset(rig=rig, reason=reason, operator=operator)
         self.log.append(said.kind, EventTopic(rig=rig), said.model_dump())
         self._enter(operator, "reset", rig, reason)
 
@@ -159,9 +159,9 @@ class RunRecovery:
         if record.state not in ENDED:
             return
         self._unreported.discard(run)
-        if not self._run_log.ends.notify(run):
+        if not self._run_log.ends.must_report(run):
             return
-        entry = self._run_log.repository.entry(run)
+        entry = self._run_log.repository.run_entry(run)
         topic = EventTopic(run=run) if entry is None else EventTopic(entry.rig, entry.campaign, run)
         if record.state == "failed" and entry is not None and not entry.code:
             with suppress(StorageError):

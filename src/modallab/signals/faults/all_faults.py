@@ -9,14 +9,14 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.signals.faults.flat_tops import flat_tops
 from modallab.signals.faults.repeats import (
-    Fault,
+    SampleFault,
     SampleRuns,
     equal_runs,
     repeated_in_all_channels,
     repeated_values,
     steps_of,
 )
-from modallab.signals.faults.whole_channels import constant_channels, is_dead_channel, is_zero_drift, overloads
+from modallab.signals.faults.whole_channels import constant_channels, is_dead_channel, is_zero_drift, overload_counts
 from modallab.signals.hit import find_hit
 
 ALONE = 50.0
@@ -29,7 +29,7 @@ FELT = 2
 """Samples before, and twice as many behind, within which another channel feels what is no fault."""
 
 
-def find_spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[Fault, ...]:
+def find_spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[SampleFault, ...]:
     """Samples of (channels, n) rows that stand alone in time, and in which no other channel moves.
 
     Of a single channel nothing is known of others, and nothing is said. `steps` is (channels, n), as of `steps_of`.
@@ -39,13 +39,13 @@ def find_spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Re
     off = np.zeros_like(rows)
     off[:, 1:-1] = np.abs(rows[:, 1:-1] - (rows[:, :-2] + rows[:, 2:]) / 2)
     least = np.maximum(steps, 1e-12 * np.abs(rows).max(axis=1, keepdims=True))
-    found: list[Fault] = []
+    found: list[SampleFault] = []
     for k, channel in enumerate(channels):
         alone = [i for i in _candidate_samples(off[k], least[k]) if _deviation_ratio(off[k], least[k], i) > ALONE]
         places = [i for i in alone if not _felt_elsewhere(np.delete(off, k, 0), np.delete(least, k, 0), i)]
         if places:
             what = f"a value of {rows[k, places[0]]:.6g} that neighbouring samples do not explain"
-            found.append(Fault(channel, what, places[0] / rate_hz, len(places)))
+            found.append(SampleFault(channel, what, places[0] / rate_hz, len(places)))
     return tuple(found)
 
 
@@ -80,7 +80,7 @@ REST = 0.05
 """Share of a record for which a force stands at one value between hits or bursts."""
 
 
-def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bool) -> tuple[Fault, ...]:
+def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bool) -> tuple[SampleFault, ...]:
     """The stretches of a channel (n,) in which it stands still between two in which it moves.
 
     Args:
@@ -90,7 +90,7 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
         steps: (n,) as of `steps_of`.
         force: whether it is the force, which rests between hits and between bursts.
     """
-    runs = _begin_with_jump(row, equal_runs(row).longer(LEAST_RUN), steps)
+    runs = _begin_with_jump(row, equal_runs(row).at_least(LEAST_RUN), steps)
     kept = [
         k for k in range(runs.first.size) if _is_lost(row, int(runs.first[k]), int(runs.stop[k]), steps, force=force)
     ]
@@ -99,7 +99,7 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
     lost = SampleRuns(runs.first[kept], runs.stop[kept])
     value = float(row[lost.first[0]])
     what = f"stands still at {value:.6g} while it should move"
-    return (Fault(channel, what, float(lost.first[0]) / rate_hz, int(lost.length.sum())),)
+    return (SampleFault(channel, what, float(lost.first[0]) / rate_hz, int(lost.length.sum())),)
 
 
 def _begin_with_jump(row: Real, runs: SampleRuns, steps: Real) -> SampleRuns:
@@ -127,7 +127,7 @@ LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
 
 
-def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
+def faults_of(block: Block, rig: Rig) -> tuple[SampleFault, ...]:
     """Faults of the chain in a block: overloads, dead channels, flat tops, held values, drop-outs, drift, lone values.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
@@ -136,7 +136,7 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
         block: finite samples (channels, n).
         rig: which channels are forces.
     """
-    if over := overloads(block, rig):
+    if over := overload_counts(block, rig):
         return over
     rows = block.samples.astype(np.float64)
     found = list(constant_channels(rows, block.channels, [c.name for c in rig.forces[: len(block.driven_points)]]))
@@ -163,7 +163,7 @@ def _noise_of_hit(row: Real) -> float | None:
 
 def _faults_of_row(
     row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None, noise: float | None
-) -> tuple[Fault, ...]:
+) -> tuple[SampleFault, ...]:
     if found := is_dead_channel(row, name, steps):
         return found
     tops = flat_tops(row, rate_hz, name, steps, noise)

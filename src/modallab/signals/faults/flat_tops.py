@@ -9,7 +9,7 @@ below, even if all tops are as high.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.repeats import Fault, SampleRuns, stretches_where
+from modallab.signals.faults.repeats import SampleFault, SampleRuns, stretches_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""
@@ -28,7 +28,9 @@ LEAST_HEIGHT = 0.1
 """Share of the largest excursion from the median: a level of rest is no top."""
 
 
-def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real, noise: float | None = None) -> tuple[Fault, ...]:
+def flat_tops(
+    row: Real, rate_hz: float, channel: str, steps: Real, noise: float | None = None
+) -> tuple[SampleFault, ...]:
     """The flat tops of a channel (n,), upper and lower ones by themselves.
 
     Args:
@@ -40,7 +42,7 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real, noise: float
     """
     ends, middle = (int(row.argmax()), int(row.argmin())), float(np.median(row))
     largest = max(abs(float(row[end]) - middle) for end in ends)
-    found: list[Fault] = []
+    found: list[SampleFault] = []
     for sign, end in zip((1.0, -1.0), ends, strict=True):
         top = float(row[end])
         height = abs(top - middle)
@@ -51,12 +53,12 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real, noise: float
             runs = _within(sign * row, sign * top, float(steps[end]) + WITHIN * noise)
         if runs.first.size:
             what = f"flat {'tops' if sign > 0 else 'bottoms'} at {top:.6g}"
-            found.append(Fault(channel, what, float(runs.first[0]) / rate_hz, int(runs.length.sum())))
+            found.append(SampleFault(channel, what, float(runs.first[0]) / rate_hz, int(runs.length.sum())))
     return tuple(found)
 
 
 def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
-    found = _is_sharp(row, top, step, stretches_where(row == top).longer(LEAST_RUN), SHARP)
+    found = _is_sharp(row, top, step, stretches_where(row == top).at_least(LEAST_RUN), SHARP)
     if found.first.size:
         return found
     if _is_crowded(row, top, step):
@@ -72,7 +74,7 @@ def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
 
 def _within(row: Real, top: float, band: float) -> SampleRuns:
     """The tops that are flat within a band of noise."""
-    return _is_sharp(row, top, band, stretches_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
+    return _is_sharp(row, top, band, stretches_where(row >= top - band).at_least(LEAST_RUN), NOISY_SHARP)
 
 
 def _is_crowded(row: Real, top: float, step: float) -> bool:
@@ -84,7 +86,7 @@ def _is_crowded(row: Real, top: float, step: float) -> bool:
 
 
 def _is_sharp(row: Real, top: float, step: float, runs: SampleRuns, times: float) -> SampleRuns:
-    inside = runs.within(row.size)
+    inside = runs.away_from_ends(row.size)
     below = top - np.maximum(row[inside.first - 1], row[inside.stop % row.size])
     limit = times * step * (1 + 2 / inside.length) ** 2
     return SampleRuns(inside.first[below > limit], inside.stop[below > limit])

@@ -29,12 +29,12 @@ class SampleRuns:
         """(runs,) samples of each."""
         return self.stop - self.first
 
-    def longer(self, least: int) -> "SampleRuns":
+    def at_least(self, least: int) -> "SampleRuns":
         """Those of at least so many samples."""
         kept = self.length >= least
         return SampleRuns(self.first[kept], self.stop[kept])
 
-    def within(self, n: int) -> "SampleRuns":
+    def away_from_ends(self, n: int) -> "SampleRuns":
         """Those that touch neither end of a record of n samples."""
         kept = (self.first > 0) & (self.stop < n)
         return SampleRuns(self.first[kept], self.stop[kept])
@@ -77,7 +77,7 @@ def _have_digits(sizes: Real, digits: int) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class SampleFault:
     """A fault that samples show.
 
     Attributes:
@@ -122,13 +122,13 @@ _MOST_COPIED = 0.25
 """Share of a record from which on a repetition is the drive's own: records without noise repeat with it."""
 
 
-def repeated_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+def repeated_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[SampleFault, ...]:
     """Whether a channel (n,) holds its values, or joins them by straight lines; `steps` (n,) as of `steps_of`."""
     return _holds_values(row, rate_hz, channel, steps) or _joins_by_lines(row, rate_hz, channel, steps)
 
 
-def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
-    runs, moves = equal_runs(row).within(row.size), np.diff(row)
+def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[SampleFault, ...]:
+    runs, moves = equal_runs(row).away_from_ends(row.size), np.diff(row)
     before, after = moves[runs.first - 1], moves[runs.stop - 1]
     # On a slope: at a top two equal samples are nothing rare.
     on_slope = (np.minimum(np.abs(before), np.abs(after)) >= MOVES * steps[runs.first]) & (before * after > 0)
@@ -136,7 +136,7 @@ def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple
     moving = moves[moves >= MOVES]
     by_chance = 1 / float(np.median(moving)) if moving.size else 1.0
     for least in (3, 2):
-        held = SampleRuns(runs.first[on_slope], runs.stop[on_slope]).longer(least)
+        held = SampleRuns(runs.first[on_slope], runs.stop[on_slope]).at_least(least)
         count = held.first.size
         # Of a part of a record that is held, longer runs tell: by chance they are rarer by this power.
         if count < max(LEAST, moving.size * max(MOST_BY_CHANCE * by_chance ** (least - 1), LEAST_SHARE)):
@@ -144,11 +144,11 @@ def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple
         length = float(np.median(held.length))
         what = f"values held for {length:g} samples, as from a slower converter"
         first = int(held.first[(held.length >= length).argmax()])
-        return (Fault(channel, what, first / rate_hz, int((held.length - 1).sum())),)
+        return (SampleFault(channel, what, first / rate_hz, int((held.length - 1).sum())),)
     return ()
 
 
-def _joins_by_lines(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+def _joins_by_lines(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[SampleFault, ...]:
     if row.size < 4 * BESIDE:
         return ()
     step = np.maximum(steps[1:-1], np.maximum(steps[2:], steps[:-2]))
@@ -163,7 +163,7 @@ def _joins_by_lines(row: Real, rate_hz: float, channel: str, steps: Real) -> tup
     length = float(np.median(np.diff(np.flatnonzero(moving & ~straight))))
     what = f"straight lines over {length:g} samples, as between the values of a slower converter"
     first = int((turns & straight).argmax()) + 1
-    return (Fault(channel, what, first / rate_hz, int((turns & straight).sum())),)
+    return (SampleFault(channel, what, first / rate_hz, int((turns & straight).sum())),)
 
 
 def _largest_beside(values: Real) -> Real:
@@ -172,13 +172,15 @@ def _largest_beside(values: Real) -> Real:
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * BESIDE + 1).max(axis=1)
 
 
-def repeated_in_all_channels(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[Fault, ...]:
+def repeated_in_all_channels(
+    rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real
+) -> tuple[SampleFault, ...]:
     """Whether all channels (channels, n) repeat samples of theirs, to the last digit; `steps` as of `steps_of`."""
     key = int(np.count_nonzero(np.diff(rows), axis=1).argmax())
     lag = _lag(rows[key])
     if not lag:
         return ()
-    found: SampleRuns = stretches_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).longer(WINDOW)
+    found: SampleRuns = stretches_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).at_least(WINDOW)
     moving = [k for k in range(found.first.size) if np.unique(rows[key, found.first[k] : found.stop[k]]).size >= VALUES]
     if np.median(np.abs(rows[key, lag:] - rows[key, :-lag])) < _COPY_MOVES * float(np.median(steps[key])):
         return ()
@@ -187,7 +189,7 @@ def repeated_in_all_channels(rows: Real, rate_hz: float, channels: tuple[str, ..
         return ()
     first = int(found.first[moving[0]]) + lag
     what = f"repeats exactly, with all other channels, the samples from {lag / rate_hz:.6g} s before"
-    return (Fault(channels[key], what, first / rate_hz, samples),)
+    return (SampleFault(channels[key], what, first / rate_hz, samples),)
 
 
 def _lag(row: Real) -> int:

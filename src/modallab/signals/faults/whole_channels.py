@@ -9,7 +9,7 @@ from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.signals.checks import check_block
 from modallab.signals.conversion import Conversion
-from modallab.signals.faults.repeats import Fault
+from modallab.signals.faults.repeats import SampleFault
 
 MOST_STEPS = 4
 """Between the smallest and the largest value: the noise of a converter without a signal."""
@@ -23,7 +23,7 @@ _SHARE = 0.5
 """Of a record's variance, from which on it is the drift that is recorded."""
 
 
-def constant_channels(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tuple[Fault, ...]:
+def constant_channels(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tuple[SampleFault, ...]:
     """Channels of one value, of rows (channels, n).
 
     In a record of so little motion that another channel moves by a few counts, a light sensor may stand still; what
@@ -32,30 +32,30 @@ def constant_channels(rows: Real, channels: Sequence[str], forces: Sequence[str]
     still = np.ptp(rows, axis=1) == 0
     little = not still.all() and min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS
     return tuple(
-        Fault(channels[i], f"dead, all values are {rows[i, 0] + 0:g}", 0.0, rows.shape[1])
+        SampleFault(channels[i], f"dead, all values are {rows[i, 0] + 0:g}", 0.0, rows.shape[1])
         for i in map(int, np.flatnonzero(still))
         if channels[i] in forces or not little
     )
 
 
-def is_dead_channel(row: Real, channel: str, steps: Real) -> tuple[Fault, ...]:
+def is_dead_channel(row: Real, channel: str, steps: Real) -> tuple[SampleFault, ...]:
     """Whether a channel (n,) stays within a few steps of its converter; `steps` (n,) as of `steps_of`."""
     span, step = float(np.ptp(row)), float(steps.max())
     # A little more, as sums of steps are rounded.
     if not span or span > (MOST_STEPS + 0.01) * step:
         return ()
-    return (Fault(channel, f"moves by at most {span / step:.0f} steps of its converter", 0.0, row.size),)
+    return (SampleFault(channel, f"moves by at most {span / step:.0f} steps of its converter", 0.0, row.size),)
 
 
-def overloads(block: Block, rig: Rig) -> tuple[Fault, ...]:
+def overload_counts(block: Block, rig: Rig) -> tuple[SampleFault, ...]:
     """The channels of a block that reach full scale, and how often; raises as `overloaded_channels`."""
     return tuple(_overload(block, name) for name in overloaded_channels(block, rig))
 
 
-def _overload(block: Block, channel: str) -> Fault:
+def _overload(block: Block, channel: str) -> SampleFault:
     row = np.abs(block.samples[block.channels.index(channel)].astype(np.float64))
     there = np.flatnonzero(row == row.max())
-    return Fault(channel, "reaches the converter's full scale", float(there[0] / block.rate_hz), there.size)
+    return SampleFault(channel, "reaches the converter's full scale", float(there[0] / block.rate_hz), there.size)
 
 
 def overloaded_channels(block: Block, rig: Rig) -> tuple[str, ...]:
@@ -68,12 +68,12 @@ def overloaded_channels(block: Block, rig: Rig) -> tuple[str, ...]:
         DataError: samples that are no records, parts that do not fit, or other channels than the rig's.
     """
     check_block(block, rig)
-    found = Conversion.of_block(block, rig).overload(block.samples)
+    found = Conversion.of_block(block, rig).overloaded_channels(block.samples)
     reported = block.overload or (False,) * len(block.channels)
     return tuple(name for name, over, flag in zip(block.channels, found, reported, strict=True) if over or flag)
 
 
-def is_zero_drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
+def is_zero_drift(row: Real, rate_hz: float, channel: str) -> tuple[SampleFault, ...]:
     """Whether an acceleration (n,) is mostly drift: no structure on a bench gains speed for a whole record.
 
     A sensor warms up, a charge amplifier leaks, a foot stands on the cable.
@@ -87,7 +87,7 @@ def is_zero_drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
         return ()
     first = _begins_at(row)
     return (
-        Fault(
+        SampleFault(
             channel,
             f"its zero drifts by {np.ptp(slow):.3g}, more than its vibration",
             first / rate_hz,

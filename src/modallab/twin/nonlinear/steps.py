@@ -124,9 +124,9 @@ class ModalSteps:
 
     def state_after(self, force: Real) -> Complex:
         """(kept,) state in which a known force (steps,) from rest leaves the modes by itself."""
-        return self.drive * self.left(force[None])[0]
+        return self.drive * self.remaining_motion(force[None])[0]
 
-    def left(self, forces: Real) -> Complex:
+    def remaining_motion(self, forces: Real) -> Complex:
         """(f, kept) sum of the steps of forces (f, steps), each by what is left of it after the last."""
         short = -forces.shape[1] % CHUNK
         chunks = np.concatenate([np.zeros((len(forces), short)), forces], axis=1).reshape(len(forces), -1, CHUNK)
@@ -149,10 +149,10 @@ class ModalSteps:
         state.real, state.imag = total[:, : self.kept]
         state -= self.state_after(force[:skip])
         if not np.any(excess):
-            return ElementForces(self.decay, self.push, self.late, state, pushed.T, count, self.left)
+            return ElementForces(self.decay, self.push, self.late, state, pushed.T, count, self.remaining_motion)
         acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
         return ElementForces(
-            self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.left
+            self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.remaining_motion
         )
 
     def _run_one(self, force: Real, skip: int, begun: Real, pushed: Real, excess: Real) -> None:
