@@ -18,13 +18,13 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
-from modallab_simulators.cantilever.address import SessionConditions, Settings
+from modallab_simulators.cantilever.address import BenchSettings, SessionConditions
 from modallab_simulators.cantilever.altered_bench import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
-from modallab_simulators.cantilever.loads import BLOCK, Drive
+from modallab_simulators.cantilever.loads import BLOCK, BeamLoad
 from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.trial import RATES_HZ
-from modallab_simulators.cantilever.truth import Truth, draw_truth
+from modallab_simulators.cantilever.truth import BenchTruth, draw_truth
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class Simulator:
 
     def records(self, campaign: Campaign) -> dict[str, Array]:
         """Record -> (channels, n) for the forces of a campaign, each row in its channel's own unit and direction."""
-        settings = Settings(self.seed, bad_hits=0.0, k_root=inf, effects=self.effects)
+        settings = BenchSettings(self.seed, bad_hits=0.0, k_root=inf, effects=self.effects)
         truth = draw_truth(settings, self.rig, SessionConditions(one_clock=True, modes=15))
         found: dict[str, Array] = {}
         tests: tuple[Test, ...] = ("impact", "sine")
@@ -56,7 +56,7 @@ class Simulator:
                 found |= simulated_records(partial(self._sensed, truth, site, test), campaign, names, site.oversample)
         return found
 
-    def _sensed(self, truth: Truth, site: BenchAtOneRate, test: Test, force: Array, _: float) -> Array:
+    def _sensed(self, truth: BenchTruth, site: BenchAtOneRate, test: Test, force: Array, _: float) -> Array:
         """(channels, n) in SI units along the drive; between delivered samples nothing is asked for, and it is 0."""
         at = int(np.argmax(np.max(np.abs(force), axis=1)))
         changes = truth.effects.altered
@@ -85,6 +85,6 @@ def _played(site: BenchAtOneRate, x_m: float, force: Array, count: int) -> Array
         inside = np.arange(first, first + wanted)
         inside = np.where(inside < len(force), inside, inside - again)
         padded = np.where((inside >= 0) & (inside < len(force)), force[np.clip(inside, 0, len(force) - 1)], 0.0)
-        seen, state = structure.advance(state, [Drive(x_m, padded)])
+        seen, state = structure.advance(state, [BeamLoad(x_m, padded)])
         stretches.append(seen)
     return np.concatenate(stretches, axis=1)[:, structure.latency : structure.latency + count]

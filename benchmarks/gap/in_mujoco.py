@@ -18,7 +18,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.units import Test
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.export.forms import FORMS, measure_form
-from modallab.gap.report.measure import closed_share
+from modallab.gap.report.measure import share_of_gap_closed
 
 EFFECTS = ("clamp_rotation", "ground_spring", "local_damper", "added_mass", "stiffness_loss", "sensor_mass")
 
@@ -37,7 +37,7 @@ def trial(name: str, seed: int, tolerances: str, sines: int) -> list[dict[str, A
         except ModallabError as error:
             found.append(entry | {"test": test, "error": str(error)})
             continue
-        own = closed_share(measured["before"], measured["twin_after"])
+        own = share_of_gap_closed(measured["before"], measured["twin_after"])
         found.append(entry | {"test": test, "own": own, "seconds": time.process_time() - begun} | measured)
     return found
 

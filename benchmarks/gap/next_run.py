@@ -33,7 +33,7 @@ from modallab.gap.design.experiments import DECIDES, continue_campaign, next_exp
 from modallab.gap.design.explanations import remaining_explanations, without_redundant
 from modallab.gap.diagnosis import diagnose
 from modallab.storage import Store, campaign_of
-from modallab_simulators.cantilever.address import SessionConditions, parse
+from modallab_simulators.cantilever.address import SessionConditions, parse_address
 from modallab_simulators.cantilever.bench import CantileverBench
 
 STANDING = 0.05
@@ -73,7 +73,7 @@ def recorded(url: str, rig: Rig, plans: Sequence[Plan], folder: Path, session: i
     # As in blind trials: one card drives and converts, and the beam has no more modes than matter in the band.
     circumstances = SessionConditions(first_start=1000 * session, one_clock=True, modes=15)
     with Store(folder) as store:
-        benches = [CantileverBench(url, rig, parse(url), circumstances) for _ in plans]
+        benches = [CantileverBench(url, rig, parse_address(url), circumstances) for _ in plans]
         return campaign_of(
             store, [record_run(b, rig, plan, store, lambda _: None) for b, plan in zip(benches, plans, strict=True)]
         )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import circulant
 
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.address import parse
+from modallab_simulators.cantilever.address import parse_address
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.truth import draw_truth
 
@@ -48,7 +48,7 @@ class Balance:
     def beam_candidates(cls, url: str, rig: Rig, line_hz: float, count: int, x_m: float, k3: float) -> "Balance":
         """A bench at its address; its own effects are left out."""
         assert rig.shaker_point is not None
-        basis = draw_truth(parse(url), rig).basis(2000.0, "pseudo-random", 0.0, 4)
+        basis = draw_truth(parse_address(url), rig).basis(2000.0, "pseudo-random", 0.0, 4)
         omega = 2 * np.pi * line_hz * np.arange(count)
         drive, sensors = rig.x_of(rig.shaker_point), np.array([rig.x_of(c.point or 0) for c in rig.responses])
         both = np.stack([-(omega**2) * receptance(basis, sensors, at, omega) for at in (drive, x_m)])

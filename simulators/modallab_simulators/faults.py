@@ -77,7 +77,7 @@ class FaultPlan:
         return None
 
 
-def parse(line: str, known: tuple[str, ...]) -> tuple[str, list[str]]:
+def parse_fault(line: str, known: tuple[str, ...]) -> tuple[str, list[str]]:
     """Name and arguments of a fault, as an operator types it.
 
     Raises:

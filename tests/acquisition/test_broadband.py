@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from modallab.acquisition.procedures.broadband_wave import blocks_a_wave, layout_of, peak_v, slew_v_per_s, wave_of
+from modallab.acquisition.procedures.broadband_wave import blocks_per_wave, layout_of, peak_v, slew_v_per_s, wave_of
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
@@ -118,7 +118,7 @@ def test_a_peak_a_slew_or_a_length_beyond_the_rigs_limits_is_rejected_with_its_n
 def test_every_wave_played_is_within_what_the_check_has_seen(link_rig: Rig) -> None:
     plan = plan_of("random")
     assert link_rig.limits is not None
-    layout = layout_of(plan, blocks_a_wave(plan, link_rig.limits.max_burst_s), plan.block_s)
+    layout = layout_of(plan, blocks_per_wave(plan, link_rig.limits.max_burst_s), plan.block_s)
     wave = wave_of(plan, "low", 0, layout)
     assert peak_v(wave) < link_rig.limits.drive_v
     assert slew_v_per_s(wave) < link_rig.limits.slew_v_per_s

@@ -6,7 +6,7 @@ from scipy.stats import chi2
 
 from modallab.acquisition.monitor.settled import (
     FLOOR_SCATTER,
-    Floor,
+    NoiseFloor,
     SettledCheck,
     WindowLevels,
     amplitude_of_motion,
@@ -36,27 +36,27 @@ def ringing(rng: np.random.Generator, tip: float, hz: float = 4.8) -> np.ndarray
     return tip * SIGMA * SHAPE[:, None] * np.sin(2 * np.pi * hz * T + rng.uniform(0, 2 * np.pi))
 
 
-def check(samples: np.ndarray, floor: Floor) -> SettledCheck:
+def check(samples: np.ndarray, floor: NoiseFloor) -> SettledCheck:
     return check_settled(WindowLevels.of(samples, floor.rms), floor)
 
 
-def residual_ratio(before: np.ndarray, block: np.ndarray, floor: Floor) -> tuple[float, int]:
+def residual_ratio(before: np.ndarray, block: np.ndarray, floor: NoiseFloor) -> tuple[float, int]:
     moves, lines = ringing_lines(WindowLevels.of(before, floor.rms), floor)
     return largest_ratio(moves, lines, mean_sensor_motion(sensor_motion(block, before.shape[1], floor)))
 
 
 @pytest.fixture(scope="module")
-def floor() -> Floor:
+def floor() -> NoiseFloor:
     rng = np.random.default_rng(0)
     return floor_of([window(rng) for _ in range(4)])
 
 
-def test_noise_alone_is_rest(floor: Floor) -> None:
+def test_noise_alone_is_rest(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(1)
     assert all(check(window(rng), floor).is_settled for _ in range(200))
 
 
-def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(floor: Floor) -> None:
+def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(2)
     looks = [check(window(rng, ringing(rng, 0.2, 4.8 + rng.uniform(-0.25, 0.25))), floor) for _ in range(200)]
     assert not any(look.is_settled for look in looks)
@@ -64,12 +64,12 @@ def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(flo
     assert all(abs(look.line * RATE / N - 4.8) < 0.8 for look in looks)
 
 
-def test_a_twentieth_of_the_noise_passes(floor: Floor) -> None:
+def test_a_twentieth_of_the_noise_passes(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(3)
     assert np.mean([check(window(rng, ringing(rng, 0.05)), floor).is_settled for _ in range(100)]) > 0.97
 
 
-def test_a_loud_channel_is_no_rest(floor: Floor) -> None:
+def test_a_loud_channel_is_no_rest(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(4)
     loud = window(rng)
     loud[3] *= 2
@@ -87,7 +87,7 @@ def test_a_hum_that_was_there_from_the_start_is_part_of_the_floor() -> None:
 
 
 @pytest.mark.parametrize("offset", [1e3, 1e9])
-def test_an_offset_is_no_motion_and_hides_none(floor: Floor, offset: float) -> None:
+def test_an_offset_is_no_motion_and_hides_none(floor: NoiseFloor, offset: float) -> None:
     rng = np.random.default_rng(6)
     assert check(window(rng) + offset, floor).is_settled
     assert not check(window(rng, ringing(rng, 0.3)) + offset, floor).is_settled
@@ -114,7 +114,7 @@ def test_windows_that_fade_are_no_floor_and_windows_of_noise_are() -> None:
 
 
 @pytest.mark.parametrize("part", [0.005, 0.02, 0.1])
-def test_the_residual_is_measured_as_part_of_the_hits_own_motion(floor: Floor, part: float) -> None:
+def test_the_residual_is_measured_as_part_of_the_hits_own_motion(floor: NoiseFloor, part: float) -> None:
     rng = np.random.default_rng(8)
     own = ringing(rng, 300.0)
     ratio, line = residual_ratio(window(rng, part * own), window(rng, own)[:, : N // 2], floor)
@@ -122,13 +122,13 @@ def test_the_residual_is_measured_as_part_of_the_hits_own_motion(floor: Floor, p
     assert line * RATE / N == pytest.approx(4.8, abs=0.5)
 
 
-def test_no_residual_is_zero(floor: Floor) -> None:
+def test_no_residual_is_zero(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(9)
     own = window(rng, ringing(rng, 300.0))[:, : N // 2]
     assert all(residual_ratio(window(rng), own, floor)[0] == 0 for _ in range(50))
 
 
-def test_a_few_lines_are_those_of_all(floor: Floor) -> None:
+def test_a_few_lines_are_those_of_all(floor: NoiseFloor) -> None:
     rng = np.random.default_rng(10)
     block = window(rng, ringing(rng, 30.0))[:, : N // 2 - 3]
     lines = np.array([1, 9, 10, 11, 700])

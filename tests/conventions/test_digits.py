@@ -12,17 +12,17 @@ from modallab.core.digits import (
     list_in_words,
     number_ranges,
     number_with_sigma,
-    part_of,
     percent_text,
     probability_text,
     relative_difference,
     rounded_to_sigma,
     scientific_text,
+    share_text,
     short_number,
     significant_digits,
     three_digits,
-    with_hard_blanks,
     with_interval,
+    with_nonbreaking_spaces,
     with_sigma,
 )
 
@@ -115,10 +115,10 @@ def test_words():
 
 
 def test_a_number_is_never_parted_from_its_unit():
-    assert with_hard_blanks("3 to 110 Hz, 0.51 % in 1.024 s, 4 ± 1 kg") == (
+    assert with_nonbreaking_spaces("3 to 110 Hz, 0.51 % in 1.024 s, 4 ± 1 kg") == (
         "3 to 110\u00a0Hz, 0.51\u00a0% in 1.024\u00a0s, 4\u00a0±\u00a01\u00a0kg"
     )
-    assert with_hard_blanks("5 modes, 3 mice") == "5 modes, 3 mice"
+    assert with_nonbreaking_spaces("5 modes, 3 mice") == "5 modes, 3 mice"
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_share_is_in_percent_to_two_digits(value, said):
 
 
 def test_a_part_of_a_whole_has_tenths_of_a_percent():
-    assert (part_of(0.99972), part_of(-0.0004), part_of(-0.012)) == ("100.0 %", "0.0 %", "−1.2 %")
+    assert (share_text(0.99972), share_text(-0.0004), share_text(-0.012)) == ("100.0 %", "0.0 %", "−1.2 %")
     assert percent_text(0.07321, 3) == "7.32 %"
 
 

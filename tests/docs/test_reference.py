@@ -57,10 +57,10 @@ def test_every_address_is_there() -> None:
 
 def test_every_parameter_of_the_simulated_bench_is_there() -> None:
     from modallab.core.errors import ConfigurationError
-    from modallab_simulators.cantilever.address import parse
+    from modallab_simulators.cantilever.address import parse_address
 
     with pytest.raises(ConfigurationError) as caught:
-        parse("sim://cantilever?nonsense=1")
+        parse_address("sim://cantilever?nonsense=1")
     known = set(str(caught.value).split("allowed: ")[1].splitlines()[0].split(", "))
     text = prose(REFERENCE / "bench-addresses.md").split("## `sim://cantilever`")[1]
     assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == known

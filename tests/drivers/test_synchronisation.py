@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import AcquisitionRequest, Burst
-from modallab.commissioning.rig_check import Finding
+from modallab.commissioning.rig_check import CheckResult
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation, delay_between
 from modallab.core.errors import ConfigurationError
 from modallab.core.hardware import Synchronisation
@@ -62,7 +62,7 @@ def on(rig: Rig, inputs: list[str], method: str = "auto") -> Rig:
     )
 
 
-def checked(server: NiServer, rig: Rig) -> tuple[list[Finding], Finding]:
+def checked(server: NiServer, rig: Rig) -> tuple[list[CheckResult], CheckResult]:
     """What rig check says, and the phase between the first and the last channel, all on one cable."""
     names = (rig.channels[0].name, rig.channels[-1].name)
     bench = open_bench(server.url, rig)

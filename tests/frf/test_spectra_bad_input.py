@@ -16,7 +16,7 @@ from modallab.signals.alignment import align_channels
 from modallab.signals.faults.whole_channels import overloaded_channels
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.signals.signals import to_signals, to_signals_of
-from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_near
+from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_line_near
 from modallab.signals.transform import bandpass, remove_mean
 
 N, RATE = 512, 1000.0
@@ -98,7 +98,7 @@ def test_a_rate_that_is_none_is_rejected(call, rate):
 
 
 @pytest.mark.parametrize("bad", ["NaN", "infinite", "larger than anything"])
-@pytest.mark.parametrize("call", [find_hit, lambda v: strongest_near(v, RATE, 50.0)], ids=["hit", "strongest"])
+@pytest.mark.parametrize("call", [find_hit, lambda v: strongest_line_near(v, RATE, 50.0)], ids=["hit", "strongest"])
 def test_one_record_that_no_bench_records_is_rejected(call, bad):
     for one in (BAD_ROWS[bad][1], ROWS, ROWS[0][:0], ROWS[0] + 0j):
         rejected(call, one)
@@ -113,7 +113,7 @@ def test_lags_that_no_converter_has_are_rejected(lags):
 def test_a_frequency_that_cannot_be_in_the_record_is_rejected(bad_hz):
     for call in (fit_at, fit_frequency):
         rejected(call, ROWS, RATE, bad_hz)
-    rejected(strongest_near, ROWS[0], RATE, bad_hz)
+    rejected(strongest_line_near, ROWS[0], RATE, bad_hz)
     rejected(undo_ac_coupling, ROWS, RATE, rig(), bad_hz)
 
 
@@ -128,7 +128,7 @@ def test_channels_that_are_flat_have_no_sine_and_lead_no_other_astray():
     assert fit.frequency_hz == pytest.approx(50.3, rel=1e-6)
     np.testing.assert_allclose(np.abs(fit.amplitude), [1, 0, 0], atol=1e-9)
     for row in flat[1:]:
-        assert strongest_near(row, RATE, 50.0) == 50.0
+        assert strongest_line_near(row, RATE, 50.0) == 50.0
 
 
 @pytest.mark.parametrize("band", [(np.nan, 100.0), (10.0, np.inf), (100.0, 10.0), (0.0, 10.0), (-5.0, 9.0), (10, 900)])

@@ -23,7 +23,7 @@ def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between()
     psi = np.array([found.seen[:, found.index((p, "z"))] for p in range(1, X.size + 1)]).T
     signs = np.sign(np.sum(psi * shapes(X, Y), axis=1))[:, None]
     np.testing.assert_allclose(signs * psi, shapes(X, Y), atol=1e-6)
-    moved = signs[:2, 0] * found.moved((7, "z"), np.array([[0.02, 0.01, 0.0]]))[0, :2]
+    moved = signs[:2, 0] * found.shapes_beside((7, "z"), np.array([[0.02, 0.01, 0.0]]))[0, :2]
     np.testing.assert_allclose(moved, shapes(X[6:7] + 0.02, Y[6:7] + 0.01)[:2, 0], atol=0.03)
 
 
@@ -141,9 +141,9 @@ def test_between_the_points_a_mesh_tells_the_shapes() -> None:
         for known in (None, mesh()):
             found = shapes_of(REFERENCE, rig(), known)
             here = found.seen[:, found.index((point, "z"))] * shapes(X[point - 1], Y[point - 1])
-            off.append(np.abs(np.sign(here) * found.moved((point, "z"), offsets) - true).max())
+            off.append(np.abs(np.sign(here) * found.shapes_beside((point, "z"), offsets) - true).max())
             if known is not None:
-                assert np.all(found.uncertain((point, "z"), offsets) < 3e-3 * np.abs(true).max())
+                assert np.all(found.uncertainty_beside((point, "z"), offsets) < 3e-3 * np.abs(true).max())
         assert off[1] < 0.1 * off[0]
         assert off[1] < 2e-3 * np.abs(true).max()
 
@@ -165,7 +165,7 @@ def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -
 def test_of_a_large_mesh_the_nodes_about_the_points_are_kept() -> None:
     x, y = (v.ravel() for v in np.meshgrid(np.linspace(-2 * A, 3 * A, 200), np.linspace(0, B, 60), indexing="ij"))
     points = np.stack([X, Y, 0 * X], axis=1)
-    kept = Mesh(np.stack([x, y, 0 * x], axis=1), {"z": np.zeros((x.size, 4))}).about(points)
+    kept = Mesh(np.stack([x, y, 0 * x], axis=1), {"z": np.zeros((x.size, 4))}).near_points(points)
     assert len(kept.places_m) <= MOST == len(kept.motion["z"])
     away = np.linalg.norm(kept.places_m[:, None] - points[None], axis=2).min(axis=1)
     assert away.max() < 0.4 * A

@@ -11,11 +11,11 @@ WAVES = np.stack([np.sin(2 * PLACES[:, 0]), np.sin(9 * PLACES[:, 0])], axis=1)
 def test_at_the_points_a_shape_is_what_was_measured() -> None:
     between = SpatialInterpolation.of(PLACES, WAVES)
     np.testing.assert_allclose(between.at(PLACES), WAVES, atol=1e-3)
-    assert between.spread(PLACES).max() < 3 * NOISE
+    assert between.uncertainty(PLACES).max() < 3 * NOISE
 
 
 def test_beyond_the_last_point_it_is_known_least_and_a_rough_shape_less_than_a_smooth_one() -> None:
-    within, outside, far = SpatialInterpolation.of(PLACES, WAVES).spread(
+    within, outside, far = SpatialInterpolation.of(PLACES, WAVES).uncertainty(
         np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]])
     )
     assert np.all(within < outside)
@@ -31,7 +31,7 @@ def test_beyond_the_ends_and_between_the_points_the_deviation_is_about_the_error
     between = SpatialInterpolation.of(PLACES, measured)
     places = np.array([[0.05, 0, 0], [1.05, 0, 0], [0.15, 0, 0], [0.62, 0, 0]])
     error = between.at(places) - np.sin(2 * np.pi * places[:, :1] / length + phase)
-    ratio = np.sqrt(np.mean((error / between.spread(places)) ** 2, axis=1))
+    ratio = np.sqrt(np.mean((error / between.uncertainty(places)) ** 2, axis=1))
     assert np.all((ratio > 0.5) & (ratio < 2.0))
 
 
@@ -42,4 +42,4 @@ def test_of_few_points_much_is_unknown_between_them() -> None:
     shapes = np.sin(3 * places[:, :1] + 1) * np.cos(5 * places[:, 1:2]) * np.array([1.0, -2.0])
     between = SpatialInterpolation.of(places[:6], shapes[:6])
     error = between.at(places[6:]) - shapes[6:]
-    assert 0.3 < np.sqrt(np.mean((error / between.spread(places[6:])) ** 2)) < 3.0
+    assert 0.3 < np.sqrt(np.mean((error / between.uncertainty(places[6:])) ** 2)) < 3.0

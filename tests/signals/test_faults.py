@@ -16,7 +16,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.undamaged_records import undamaged_records
-from modallab.signals.faults.all_faults import faults_of
+from modallab.signals.faults.all_faults import find_faults
 from modallab.signals.faults.repeats import SampleFault
 from modallab.signals.faults.whole_channels import LOWEST_LINE
 
@@ -89,7 +89,7 @@ def block(samples: NDArray[Any], name: str = "record", rate_hz: float = RATE_HZ)
 def test_sound_records_have_no_fault(kind: str, numbers: str) -> None:
     for seed, noise in enumerate((0.0, 1e-6, 1e-4, 1e-2)):
         for rate_hz in (512.0, 2000.0, 51200.0):
-            found = faults_of(block(NUMBERS[numbers](record(kind, seed, noise, rate_hz)), rate_hz=rate_hz), RIG)
+            found = find_faults(block(NUMBERS[numbers](record(kind, seed, noise, rate_hz)), rate_hz=rate_hz), RIG)
             assert not found, (noise, rate_hz, *map(str, found))
 
 
@@ -155,7 +155,7 @@ def test_a_fault_is_named_with_its_channel(kind: str, fault: str) -> None:
     for seed in range(3):
         rows = record(kind, seed, 1e-4)
         rows[1] = make(rows[1])
-        found = faults_of(block(rows), RIG)
+        found = find_faults(block(rows), RIG)
         assert any(f.channel == "a1" and words in f.what for f in found), list(map(str, found))
         assert {f.channel for f in found} == {"a1"}
 
@@ -164,7 +164,7 @@ def test_a_part_that_is_held_is_named_where_it_begins() -> None:
     for seed in range(5):
         rows = 1e-6 * counts(record("hit", seed, 1e-2), 16)
         rows[0, 2500:] = held(rows[0], 5)[2500:]
-        (found,) = faults_of(block(rows), RIG)
+        (found,) = find_faults(block(rows), RIG)
         assert (found.channel, found.what) == ("force", "values held for 5 samples, as from a slower converter")
         assert abs(found.first_s - 2500 / RATE_HZ) < 40 / RATE_HZ
 
@@ -172,10 +172,10 @@ def test_a_part_that_is_held_is_named_where_it_begins() -> None:
 def test_it_is_named_with_its_time() -> None:
     rows = record("random", 1)
     rows[1] = stopped(rows[1], 0.0, 10)
-    assert faults_of(block(rows), RIG) == (SampleFault("a1", "stands still at 0 while it should move", 0.1, 10),)
+    assert find_faults(block(rows), RIG) == (SampleFault("a1", "stands still at 0 while it should move", 0.1, 10),)
     rows = record("hit", 1)
     rows[2] = one_off(rows[2], 100)
-    (found,) = faults_of(block(rows), RIG)
+    (found,) = find_faults(block(rows), RIG)
     assert (found.channel, found.first_s, found.samples) == ("a2", 0.75, 1)
 
 
@@ -186,18 +186,18 @@ def test_a_fast_ringing_cut_off_for_a_sample_or_two_at_a_time_is_named_and_equal
         ringing = rng.uniform(90, 110) * np.exp(-6 * t) * np.sin(2 * np.pi * rng.uniform(300, 380) * t)
         rows = record("hit", seed, 1e-4)
         rows[1] = np.clip(ringing + 0.01 * rng.normal(size=N), -1e9, rng.uniform(30, 60))
-        assert [f.channel for f in faults_of(block(rows), RIG) if "flat tops" in f.what] == ["a1"]
+        assert [f.channel for f in find_faults(block(rows), RIG) if "flat tops" in f.what] == ["a1"]
         tone = 20 * np.sin(2 * np.pi * rng.uniform(5, 400) * t + rng.uniform(0, 6))
         for sound in (tone, np.round(tone, 2), np.round(tone * 3), np.tile(np.round(ringing[:512], 3), 8)):
             rows[1] = sound
-            assert not [f for f in faults_of(block(rows), RIG) if "flat" in f.what]
+            assert not [f for f in find_faults(block(rows), RIG) if "flat" in f.what]
 
 
 @pytest.mark.parametrize("kind", ["hit", "random"])
 def test_a_buffer_that_was_written_twice_is_named(kind: str) -> None:
     rows = record(kind, 1, 1e-4)
     rows[:, 400:528] = rows[:, 272:400]
-    (found,) = faults_of(block(rows), RIG)
+    (found,) = find_faults(block(rows), RIG)
     assert "repeats exactly" in found.what
     assert (found.first_s, found.samples) == (400 / RATE_HZ, 128)
 
@@ -206,13 +206,13 @@ def test_a_hit_of_three_samples_is_none() -> None:
     rows = record("hit", 1, 1e-4)
     rows[0] *= 1e-3
     rows[0, 40:43] = np.abs(rows[0]).max() * np.array([1e4, 2e4, 1e4])
-    assert faults_of(block(rows), RIG) == ()
+    assert find_faults(block(rows), RIG) == ()
 
 
 def test_a_shock_that_all_channels_feel_is_none() -> None:
     rows = record("random", 2, 1e-3)
     rows[:, 1500] += 1e4 * np.abs(rows).max(axis=1)
-    assert faults_of(block(rows), RIG) == ()
+    assert find_faults(block(rows), RIG) == ()
 
 
 def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None:
@@ -269,7 +269,7 @@ def test_a_zero_that_goes_away_at_a_shock_and_comes_back_within_the_record_drift
         t = np.arange(N) / N - rng.uniform(0.05, 0.6)
         shock = rng.choice([-1, 1]) * rng.uniform(3, 5) * np.abs(rows[1]).max()
         rows[1] += np.where(t > 0, shock * np.exp(-np.maximum(t, 0) / rng.uniform(0.15, 0.6)), 0)
-        assert [f.channel for f in faults_of(block(rows), RIG) if "zero drifts" in f.what] == ["a1"]
+        assert [f.channel for f in find_faults(block(rows), RIG) if "zero drifts" in f.what] == ["a1"]
 
 
 def test_a_mode_of_the_lowest_line_that_is_looked_at_is_no_drift() -> None:
@@ -279,4 +279,4 @@ def test_a_mode_of_the_lowest_line_that_is_looked_at_is_no_drift() -> None:
         for zeta in (0.0, 0.01, 0.03):
             omega = 2 * np.pi * turns * RATE_HZ / N
             rows[1] = np.exp(-zeta * omega * t) * np.sin(omega * t + turns)
-            assert not [f for f in faults_of(block(rows), RIG) if "drifts" in f.what], (turns, zeta)
+            assert not [f for f in find_faults(block(rows), RIG) if "drifts" in f.what], (turns, zeta)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError
-from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_near
+from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_line_near
 
 RATE, N = 1000.0, 1024
 T = np.arange(N) / RATE
@@ -43,8 +43,8 @@ def test_the_residual_is_the_noise():
 
 def test_a_wrong_clock_is_looked_for_nearby():
     values = record(50.0 * 1.03)[0]
-    assert strongest_near(values, RATE, 50.0) == pytest.approx(51.5, abs=0.2)
-    assert strongest_near(record(50.1)[0], RATE, 50.0) == 50.0
+    assert strongest_line_near(values, RATE, 50.0) == pytest.approx(51.5, abs=0.2)
+    assert strongest_line_near(record(50.1)[0], RATE, 50.0) == 50.0
 
 
 def test_no_sine_where_it_should_be_is_rejected():

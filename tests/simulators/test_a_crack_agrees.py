@@ -11,7 +11,7 @@ from test_twin_agrees import LINES, RIG, SEED, measured, predicted, size, sound,
 from modallab.core.effects import Effect
 from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
-from modallab_simulators.cantilever.trial import Operator
+from modallab_simulators.cantilever.trial import SessionOperator
 
 X = 0.31
 LEFT = 0.05
@@ -25,7 +25,7 @@ def test_the_gap_a_crack_opens_closes(share: float):
     intact = sound_twin()
     length = intact.structure.length_m
     twin = replace(intact, element=NonlinearElement(NonlinearLaw.CRACK, X * length, (share, HALF_WIDTH * length, 1.0)))
-    blocks = Operator(RIG, SEED, (crack,)).sines(LINES)
+    blocks = SessionOperator(RIG, SEED, (crack,)).sines(LINES)
     for (y, expected), block in zip(sound("sine"), blocks, strict=False):
         found = measured(block) - (y - expected)
         assert size(found - predicted(twin, block)) < LEFT * size(found - predicted(intact, block))

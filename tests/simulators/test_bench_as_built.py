@@ -6,9 +6,9 @@ import pytest
 from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
-from modallab_simulators.cantilever.address import Settings, parse
+from modallab_simulators.cantilever.address import BenchSettings, parse_address
 from modallab_simulators.cantilever.altered_bench import DRIFT_S, AlteredBench
-from modallab_simulators.cantilever.loads import Drive
+from modallab_simulators.cantilever.loads import BeamLoad
 from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth
 
@@ -19,10 +19,10 @@ def rig() -> Rig:
 
 
 def test_the_address_says_how_well_a_bench_is_built() -> None:
-    assert parse("sim://cantilever?tolerances=usual").tolerances == "usual"
-    assert parse("sim://cantilever").tolerances == "none"
+    assert parse_address("sim://cantilever?tolerances=usual").tolerances == "usual"
+    assert parse_address("sim://cantilever").tolerances == "none"
     with pytest.raises(ConfigurationError, match="usual"):
-        parse("sim://cantilever?tolerances=some")
+        parse_address("sim://cantilever?tolerances=some")
 
 
 def test_all_is_drawn_within_three_deviations_and_again_by_the_same_seed(rig: Rig) -> None:
@@ -47,7 +47,7 @@ def test_a_rig_file_without_tolerances_of_assembly_leaves_an_ideal_one(rig: Rig)
 
 
 def test_waves_of_stiffness_and_mass_move_frequencies_as_the_energy_says(rig: Rig) -> None:
-    plain, built = (draw_truth(Settings(seed=3, tolerances=t), rig) for t in ("none", "usual"))
+    plain, built = (draw_truth(BenchSettings(seed=3, tolerances=t), rig) for t in ("none", "usual"))
     before, after = (truth.modes("impact").omega(3) for truth in (plain, built))
     assert np.all(np.abs(after / before - 1) < 0.02)
     assert np.all(after != before)
@@ -58,13 +58,13 @@ def test_the_beam_goes_on_moving_as_it_did_while_its_stiffness_drifts(rig: Rig, 
     # Solvers turn shapes upside down as they please; the motion under way must not follow them.
     tolerance = Tolerance.usual().model_copy(update={"stiffness_drift": 0.01, "damper_n_s_per_m": damper})
     stated = rig.model_copy(update={"tolerance": tolerance})
-    settings = parse("sim://cantilever?seed=1&tolerances=stated&effect=added_mass,mass=0.05,x=0.8")
+    settings = parse_address("sim://cantilever?seed=1&tolerances=stated&effect=added_mass,mass=0.05,x=0.8")
     site = BenchAtOneRate(draw_truth(settings, stated), stated, "sine", 1000.0)
-    force = Drive(0.31, np.sin(0.2 * np.arange(site.structure.times(0)[1])))
+    force = BeamLoad(0.31, np.sin(0.2 * np.arange(site.structure.times(0)[1])))
     _, state = site.structure.advance(site.structure.at_rest, [force])
     for share in np.linspace(0.1, 1.0, 10):
         before = site.structure
-        after = site.age(share * DRIFT_S)
+        after = site.drift_to(share * DRIFT_S)
         assert after is not before
         seen, _ = before.advance(state, [])
         goes_on, _ = after.advance(after.state_from(before, state), [])

@@ -5,21 +5,23 @@ import math
 import pytest
 
 from modallab.core.errors import ConfigurationError
-from modallab_simulators.cantilever.address import Settings, parse
+from modallab_simulators.cantilever.address import BenchSettings, parse_address
 
 
 def test_defaults():
-    assert parse("sim://cantilever") == Settings()
+    assert parse_address("sim://cantilever") == BenchSettings()
 
 
 def test_every_parameter():
-    found = parse("sim://cantilever?seed=7&bad_hits=0&k_root=inf&pace=1&zeta=0.004,0.005&n_per_v=2&place_m=0.001")
-    assert found == Settings(7, 0.0, math.inf, True, (0.004, 0.005), 2.0, 0.001)
+    found = parse_address(
+        "sim://cantilever?seed=7&bad_hits=0&k_root=inf&pace=1&zeta=0.004,0.005&n_per_v=2&place_m=0.001"
+    )
+    assert found == BenchSettings(7, 0.0, math.inf, True, (0.004, 0.005), 2.0, 0.001)
 
 
 def test_unknown_names_are_rejected_with_those_that_are_allowed():
     with pytest.raises(ConfigurationError, match=r"unknown parameter 'sed'[\s\S]*bad_hits.*k_root.*seed"):
-        parse("sim://cantilever?sed=1")
+        parse_address("sim://cantilever?sed=1")
 
 
 @pytest.mark.parametrize(
@@ -47,10 +49,10 @@ def test_unknown_names_are_rejected_with_those_that_are_allowed():
 )
 def test_bad_values_are_rejected(query: str):
     with pytest.raises(ConfigurationError):
-        parse(f"sim://cantilever?{query}")
+        parse_address(f"sim://cantilever?{query}")
 
 
 @pytest.mark.parametrize("url", ["sim://plate", "sim://cantilever/x", "sim://", "sim://cantilever#a", "sim:cantilever"])
 def test_other_benches_are_rejected(url: str):
     with pytest.raises(ConfigurationError, match="no simulated bench"):
-        parse(url)
+        parse_address(url)

@@ -15,7 +15,7 @@ from modallab_simulators.cantilever.hammer import (
     WEAK_N,
     WIDTH_S,
     ContactPulse,
-    Hit,
+    HammerHit,
     draw_hit,
 )
 from modallab_simulators.cantilever.recursion import DELAY
@@ -53,7 +53,7 @@ def test_a_pulse_is_smooth_and_ends():
 
 def test_a_hit_of_two_contacts_is_their_sum():
     first, second = ContactPulse(0.1, 0.004, 80.0), ContactPulse(0.13, 0.004, 20.0)
-    both = Hit(0.5, (first, second))
+    both = HammerHit(0.5, (first, second))
     times = np.linspace(0.09, 0.15, 500)
     np.testing.assert_array_equal(both.force(times), first.force(times) + second.force(times))
     assert (both.start_s, both.end_s) == (0.1, pytest.approx(0.134))

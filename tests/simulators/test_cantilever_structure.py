@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.hammer import ContactPulse
-from modallab_simulators.cantilever.loads import BLOCK, Drive, Output
-from modallab_simulators.cantilever.recursion import DELAY, lowpass
-from modallab_simulators.cantilever.structure import Structure
+from modallab_simulators.cantilever.loads import BLOCK, BeamLoad, SensorOutput
+from modallab_simulators.cantilever.recursion import DELAY, lowpass_taps
+from modallab_simulators.cantilever.structure import LinearStructure
 from modallab_simulators.cantilever.truth import oversampling
 
 BEAM = CantileverBeam(0.777, 205e9 * 0.05 * 0.004**3 / 12, 7850 * 0.05 * 0.004, 13.0)
 X = BEAM.length_m * np.arange(1, 11) / 10
-OUTPUTS = (Output("force"), *(Output("motion", float(x), 2) for x in X))
+OUTPUTS = (SensorOutput("force"), *(SensorOutput("motion", float(x), 2) for x in X))
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def strike(structure: Any, rate_hz: float, x_m: float, contact: ContactPulse, bl
         first, count = structure.times(block)
         times = np.arange(first, first + count) / (rate_hz * structure.oversample)
         force = contact.force(times)
-        seen, state = structure.advance(state, [Drive(x_m, force)] if force.any() else [])
+        seen, state = structure.advance(state, [BeamLoad(x_m, force)] if force.any() else [])
         pieces.append(seen)
     return np.concatenate(pieces, axis=1), state
 
@@ -49,7 +49,7 @@ def receptance(modes: ModalBasis, x_m: Floats, force_x_m: float, omega: Floats) 
 )
 def test_response_to_a_hit_is_the_analytic_response(rate_hz: float, point: int):
     modes = basis(rate_hz, 0.03)
-    structure = Structure(modes, OUTPUTS, rate_hz, oversampling(rate_hz))
+    structure = LinearStructure(modes, OUTPUTS, rate_hz, oversampling(rate_hz))
     blocks = math.ceil(45 * rate_hz / BLOCK)
     contact = ContactPulse(0.0123, max(0.0015, 1.6 / rate_hz), 100.0)
     seen, _ = strike(structure, rate_hz, float(X[point]), contact, blocks)
@@ -65,13 +65,17 @@ def test_response_to_a_hit_is_the_analytic_response(rate_hz: float, point: int):
 
 def test_velocity_displacement_and_voltage_are_seen_alike():
     modes, rate_hz = basis(2000.0, 0.03), 2000.0
-    outputs = (Output("force"), *(Output("motion", float(X[9]), d) for d in range(3)), Output("voltage"))
-    structure = Structure(modes, outputs, rate_hz, 4)
+    outputs = (
+        SensorOutput("force"),
+        *(SensorOutput("motion", float(X[9]), d) for d in range(3)),
+        SensorOutput("voltage"),
+    )
+    structure = LinearStructure(modes, outputs, rate_hz, 4)
     state, pieces = structure.at_rest, []
     for block in range(94):
         first, count = structure.times(block)
         force = ContactPulse(0.02, 0.002, 50.0).force(np.arange(first, first + count) / 8000)
-        seen, state = structure.advance(state, [Drive(float(X[3]), force, 4.0)] if force.any() else [])
+        seen, state = structure.advance(state, [BeamLoad(float(X[3]), force, 4.0)] if force.any() else [])
         pieces.append(seen)
     spectra = np.fft.rfft(np.concatenate(pieces, axis=1), axis=1)
     f = np.fft.rfftfreq(94 * BLOCK, 1 / rate_hz)
@@ -87,7 +91,7 @@ def test_velocity_displacement_and_voltage_are_seen_alike():
 
 def test_reciprocity():
     modes = basis(2000.0, 0.005)
-    structure = Structure(modes, OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(modes, OUTPUTS, 2000.0, 4)
     contact = ContactPulse(0.01, 0.003, 80.0)
     at_three, _ = strike(structure, 2000.0, float(X[2]), contact, 3)
     at_ten, _ = strike(structure, 2000.0, float(X[9]), contact, 3)
@@ -97,7 +101,7 @@ def test_reciprocity():
 def test_energy_of_every_mode_is_what_the_hit_put_in():
     """Undamped, a hit leaves |z| = phi |F(omega)| in each mode; F of a sin^2 pulse in closed form."""
     modes = basis(2000.0, 1e-12)
-    structure = Structure(modes, OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(modes, OUTPUTS, 2000.0, 4)
     contact = ContactPulse(0.01, 0.004, 80.0)
     _, state = strike(structure, 2000.0, float(X[9]), contact, 2)
     turns = modes.omega * contact.width_s / (2 * math.pi)
@@ -113,7 +117,7 @@ def test_free_decay_is_exact():
     """Once the higher modes are gone, y[n+1] - 2 Re(lambda) y[n] + |lambda|^2 y[n-1] = 0 to rounding."""
     modes = basis(2000.0, 0.02)
     modes = ModalBasis(BEAM, modes.omega, np.where(np.arange(len(modes.omega)) == 0, 0.004, 0.19))
-    structure = Structure(modes, OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(modes, OUTPUTS, 2000.0, 4)
     seen, _ = strike(structure, 2000.0, float(X[9]), ContactPulse(0.01, 0.004, 80.0), 10)
     y = seen[10, 4 * BLOCK :]
     pole = np.exp(modes.poles[0] / 2000.0)
@@ -126,18 +130,18 @@ def test_free_decay_is_exact():
 
 def test_driven_and_free_ways_agree():
     modes = basis(2000.0, 0.005)
-    structure = Structure(modes, OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(modes, OUTPUTS, 2000.0, 4)
     rng = np.random.default_rng(3)
     state = rng.standard_normal(len(modes.omega)) + 1j * rng.standard_normal(len(modes.omega))
     free, after = structure.advance(state.copy(), [])
     _, count = structure.times(0)
-    driven, after_driven = structure.advance(state.copy(), [Drive(float(X[3]), np.zeros(count))])
+    driven, after_driven = structure.advance(state.copy(), [BeamLoad(float(X[3]), np.zeros(count))])
     np.testing.assert_allclose(driven, free, rtol=0, atol=1e-11 * np.abs(free).max())
     np.testing.assert_allclose(after_driven, after, rtol=1e-11)
 
 
 def test_a_beam_at_rest_stays_exactly_at_rest():
-    structure = Structure(basis(2000.0, 0.005), OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(basis(2000.0, 0.005), OUTPUTS, 2000.0, 4)
     seen, state = structure.advance(structure.at_rest, [])
     assert not seen.any()
     assert not state.any()
@@ -145,11 +149,11 @@ def test_a_beam_at_rest_stays_exactly_at_rest():
 
 def test_superposition_of_two_forces():
     modes = basis(2000.0, 0.005)
-    structure = Structure(modes, OUTPUTS, 2000.0, 4)
+    structure = LinearStructure(modes, OUTPUTS, 2000.0, 4)
     first, count = structure.times(0)
     times = np.arange(first, first + count) / 8000
-    a = Drive(float(X[9]), ContactPulse(0.05, 0.003, 50.0).force(times))
-    b = Drive(float(X[3]), np.sin(2 * math.pi * 50 * times) * (times > 0))
+    a = BeamLoad(float(X[9]), ContactPulse(0.05, 0.003, 50.0).force(times))
+    b = BeamLoad(float(X[3]), np.sin(2 * math.pi * 50 * times) * (times > 0))
     both, _ = structure.advance(structure.at_rest, [a, b])
     alone = sum(structure.advance(structure.at_rest, [d])[0] for d in (a, b))
     np.testing.assert_allclose(both, alone, rtol=0, atol=1e-10 * np.abs(both).max())
@@ -157,7 +161,7 @@ def test_superposition_of_two_forces():
 
 @pytest.mark.parametrize("oversample", [4, 8, 80])
 def test_filter_is_flat_linear_phase_and_stops_what_would_fold_back(oversample: int):
-    taps = lowpass(oversample)
+    taps = lowpass_taps(oversample)
     np.testing.assert_allclose(taps, taps[::-1], rtol=0, atol=1e-17)
     assert len(taps) == 2 * DELAY * oversample + 1
     response = np.abs(np.fft.rfft(taps, 1 << 17))

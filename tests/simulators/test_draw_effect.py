@@ -9,7 +9,7 @@ from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
-from modallab_simulators.cantilever.blind_trials import GAP_RANGE, GapMeter, draw_effect, draw_gap, solve
+from modallab_simulators.cantilever.blind_trials import GAP_RANGE, GapMeter, draw_effect, draw_gap, size_for_gap
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_the_requested_gap_is_met(link: Rig, ruler: GapMeter):
 
 
 def test_a_size_is_found_where_the_gap_grows_out_of_proportion():
-    size, gap = solve(lambda s: exp(s) + exp(3 * s), (-6.0, 6.0), 1.0, 500.0)
+    size, gap = size_for_gap(lambda s: exp(s) + exp(3 * s), (-6.0, 6.0), 1.0, 500.0)
     assert gap == pytest.approx(500.0, rel=0.05)
     assert gap == pytest.approx(exp(size) + exp(3 * size), rel=1e-9)
 

@@ -6,7 +6,7 @@ from noiseless_bench import driven
 
 from modallab.cli.demo import demo_rig
 from modallab_simulators.cantilever import stream
-from modallab_simulators.cantilever.address import parse
+from modallab_simulators.cantilever.address import parse_address
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.drifting_structure import BetweenBases, DriftingStructure
 from modallab_simulators.cantilever.truth import draw_truth
@@ -39,6 +39,6 @@ def test_what_the_bench_reads_is_that_of_a_structure_assembled_anew(monkeypatch:
 )
 def test_only_what_moves_along_a_line_is_laid_between(effect: str, between: bool) -> None:
     rig = demo_rig()
-    truth = draw_truth(parse(f"sim://cantilever?seed=1&effect={effect}"), rig)
+    truth = draw_truth(parse_address(f"sim://cantilever?seed=1&effect={effect}"), rig)
     drifting = DriftingStructure(lambda progress: truth.basis(2000.0, "impact", progress, 4))
     assert isinstance(drifting.basis(0.3), BetweenBases) is between

@@ -14,7 +14,7 @@ from test_cantilever_structure import BEAM, OUTPUTS, X, basis, receptance, strik
 from modallab_simulators.cantilever.feedback.elements import PointElement
 from modallab_simulators.cantilever.feedback.structure import FeedbackStructure
 from modallab_simulators.cantilever.hammer import ContactPulse
-from modallab_simulators.cantilever.structure import Structure
+from modallab_simulators.cantilever.structure import LinearStructure
 from modallab_simulators.cantilever.truth import oversampling
 
 RATE_HZ = 2000.0
@@ -25,7 +25,7 @@ NEVER_LEFT = 1e9
 def struck(element: PointElement, point: int) -> NDArray[np.float64]:
     """All outputs after a hit, (outputs, samples)."""
     times = oversampling(RATE_HZ)
-    linear = Structure(basis(RATE_HZ, 0.03), OUTPUTS, RATE_HZ, times)
+    linear = LinearStructure(basis(RATE_HZ, 0.03), OUTPUTS, RATE_HZ, times)
     fed = FeedbackStructure(linear, [element], None, 1 / (RATE_HZ * times))
     return strike(fed, RATE_HZ, float(X[point]), ContactPulse(0.0123, 0.0015, 100.0), BLOCKS)[0]
 

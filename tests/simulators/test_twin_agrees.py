@@ -22,7 +22,7 @@ from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import apply_effect, effect_models
 from modallab.twin.structure import MODES, TwinStructure
 from modallab_simulators.cantilever.beam import draw_damping
-from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
+from modallab_simulators.cantilever.trial import LAST_ORDER, SessionOperator, rigidly_clamped
 
 
 def mounted(rig: Rig) -> Rig:
@@ -85,7 +85,7 @@ LEARNED = (
 
 @lru_cache(maxsize=1)
 def sound_twin() -> Twin:
-    true = Operator(RIG, SEED).truth.true
+    true = SessionOperator(RIG, SEED).truth.true
     assert RIG.beam is not None
     beam = RIG.beam.model_copy(
         update={
@@ -99,7 +99,7 @@ def sound_twin() -> Twin:
 
 def records(test: Test, effects: tuple[Effect, ...]) -> list[Block]:
     """A hit, or a sine beside each of two modes, a good way into the campaign."""
-    operator = Operator(RIG, SEED, effects, order=ORDER)
+    operator = SessionOperator(RIG, SEED, effects, order=ORDER)
     if test == "impact":
         return [next(operator.hits())]
     sines = operator.sines(LINES)

@@ -7,7 +7,7 @@ Programming Guide (PGB09102), SDG Series Programming Guide (PG02).
 from dataclasses import dataclass, field
 from typing import Literal
 
-from modallab_drivers.function_generator.line import pairs
+from modallab_drivers.function_generator.line import keyed_values
 
 Name = Literal[
     "function", "frequency", "amplitude", "unit", "offset", "load", "output", "burst", "mode", "cycles", "source",
@@ -19,7 +19,7 @@ DANGEROUS: tuple[Name, ...] = ("output", "amplitude", "burst", "frequency", "fun
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class InstrumentSetting:
     """One setting.
 
     Attributes:
@@ -40,7 +40,7 @@ class Setting:
         """
         if not self.key:
             return answer
-        found = pairs(answer)
+        found = keyed_values(answer)
         if self.key not in found:
             raise ValueError(f"no {self.key} in {answer!r}")
         return found[self.key]
@@ -63,7 +63,7 @@ class CommandLanguage:
 
     makers: tuple[str, ...]
     models: tuple[str, ...]
-    settings: dict[Name, Setting]
+    settings: dict[Name, InstrumentSetting]
     constants: dict[Name, str] = field(default_factory=dict[Name, str])
     trigger: str = "*TRG"
     lowest_vpp: float = 0.002
@@ -71,9 +71,9 @@ class CommandLanguage:
     errors: str = "SYST:ERR?"
 
 
-def _plain(prefix: str, outputs: str, source: str) -> dict[Name, Setting]:
-    def one(header: str) -> Setting:
-        return Setting(f"{header} {{}}", f"{header}?")
+def _plain(prefix: str, outputs: str, source: str) -> dict[Name, InstrumentSetting]:
+    def one(header: str) -> InstrumentSetting:
+        return InstrumentSetting(f"{header} {{}}", f"{header}?")
 
     return {
         "function": one(f"{prefix}FUNC"),
@@ -91,21 +91,21 @@ def _plain(prefix: str, outputs: str, source: str) -> dict[Name, Setting]:
     }
 
 
-def _siglent() -> dict[Name, Setting]:
+def _siglent() -> dict[Name, InstrumentSetting]:
     # While bursts are on, the sine is their carrier: BSWV would end the burst mode, and the output would run on.
-    def burst(key: str) -> Setting:
-        return Setting(f"C1:BTWV {key},{{}}", "C1:BTWV?", key)
+    def burst(key: str) -> InstrumentSetting:
+        return InstrumentSetting(f"C1:BTWV {key},{{}}", "C1:BTWV?", key)
 
-    def carrier(key: str) -> Setting:
-        return Setting(f"C1:BTWV CARR,{key},{{}}", "C1:BTWV?", f"CARR.{key}")
+    def carrier(key: str) -> InstrumentSetting:
+        return InstrumentSetting(f"C1:BTWV CARR,{key},{{}}", "C1:BTWV?", f"CARR.{key}")
 
     return {
         "function": carrier("WVTP"),
         "frequency": carrier("FRQ"),
         "amplitude": carrier("AMP"),
         "offset": carrier("OFST"),
-        "load": Setting("C1:OUTP LOAD,{}", "C1:OUTP?", "LOAD"),
-        "output": Setting("C1:OUTP {}", "C1:OUTP?", "STATE"),
+        "load": InstrumentSetting("C1:OUTP LOAD,{}", "C1:OUTP?", "LOAD"),
+        "output": InstrumentSetting("C1:OUTP {}", "C1:OUTP?", "STATE"),
         "burst": burst("STATE"),
         "mode": burst("GATE_NCYC"),
         "cycles": burst("TIME"),

@@ -11,7 +11,7 @@ from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES, Name
 from modallab_drivers.function_generator.instrument import AMPLIFIER_OFF, Instrument
-from modallab_drivers.function_generator.line import InstrumentLine, number
+from modallab_drivers.function_generator.line import InstrumentLine, number_without_unit
 
 STEP_S = 0.03
 """Between two steps of the amplitude while it rises or falls."""
@@ -136,7 +136,9 @@ class Generator:
             self.set("output", "ON")
             self._line.send(self._language.trigger)
             if errors := self._instrument.errors():
-                raise ConfigurationError(f"trigger: it reports {', '.join(errors)}", where=self._instrument.where)
+                raise ConfigurationError(
+                    f"trigger: it reports {', '.join(errors)}", where=self._instrument.place_in_messages
+                )
         self._look_every = max(1, round(LOOK_EVERY_S * rate_hz))
         self._next_look = now + self._look_every
 
@@ -175,8 +177,8 @@ class Generator:
         self._require_unchanged(at_all=True)
         taken = self._instrument.taken
         return {
-            "generator_frequency_hz": number(taken["frequency"]),
-            "generator_amplitude_v": number(taken["amplitude"]) / 2,
+            "generator_frequency_hz": number_without_unit(taken["frequency"]),
+            "generator_amplitude_v": number_without_unit(taken["amplitude"]) / 2,
         }
 
     def zero(self) -> None:
@@ -239,11 +241,11 @@ class Generator:
             self._instrument.set("amplitude", max(2 * due[-1], self._language.lowest_vpp), ask_errors=False)
 
     def _require_unchanged(self, *, at_all: bool) -> None:
-        if changed := self._instrument.changed(at_all=at_all):
+        if changed := self._instrument.changed_settings(at_all=at_all):
             raise OutputLostError(
                 f"{changed}: it was changed at the front panel or by another program, or the generator was switched off"
                 " and on; the output was brought to 0 V",
-                where=self._instrument.where,
+                where=self._instrument.place_in_messages,
                 remedy="do not operate the generator during a test; its settings are written again for the next burst",
             )
 
@@ -264,7 +266,7 @@ class Generator:
             if isinstance(error, DeviceGoneError):
                 raise OutputLostError(
                     f"{error.what}; the generator answers again, and the output was brought to 0 V",
-                    where=self._instrument.where,
+                    where=self._instrument.place_in_messages,
                     remedy="check the cable and other programs that use the generator",
                 ) from error
             raise
@@ -280,7 +282,7 @@ class Generator:
             raise DeviceGoneError(
                 f"the line to the generator died in a burst: {error.what}; the output may still be driven, and"
                 f" ends by itself only after at most {left_s:.3g} s",
-                where=self._instrument.where,
+                where=self._instrument.place_in_messages,
                 remedy=AMPLIFIER_OFF,
             ) from error
 

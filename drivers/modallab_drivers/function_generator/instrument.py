@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
-from modallab_drivers.function_generator.line import InstrumentLine, number, value_matches
+from modallab_drivers.function_generator.line import InstrumentLine, number_without_unit, value_matches
 
 AMPLIFIER_OFF = "switch the shaker's amplifier off by hand now: nothing else can end the output"
 
@@ -41,9 +41,9 @@ class Instrument:
         self._dialect = dialect
 
     @property
-    def where(self) -> str:
+    def place_in_messages(self) -> str:
         """For messages."""
-        return self.line.where
+        return self.line.place_in_messages
 
     def require_dialect(self) -> str:
         """Ask who it is, which is returned.
@@ -56,7 +56,7 @@ class Instrument:
         if not (maker and any(model in answer for model in language.models)):
             raise ConfigurationError(
                 f"excitation.dialect: found {self._dialect}, but {answer!r} answers",
-                where=self.where,
+                where=self.place_in_messages,
                 remedy=f"choose the instrument's own dialect: {', '.join(LANGUAGES)}",
             )
         return answer
@@ -67,22 +67,22 @@ class Instrument:
         Raises:
             ConfigurationError: it was rejected, or what was applied differs by more than the stated tolerance.
         """
-        self.put(name, value)
+        self.set_with_next_question(name, value)
         errors = self.errors() if ask_errors else []
         found, good = self._found(name)
         if not good or errors:
             reports = f"; it reports {', '.join(errors)}" if errors else ""
             raise ConfigurationError(
                 f"{name}: {value} was set, the generator reports {found}{reports}",
-                where=self.where,
+                where=self.place_in_messages,
                 remedy="request a value that the instrument supports",
             )
 
-    def put(self, name: Name, value: float | str) -> None:
+    def set_with_next_question(self, name: Name, value: float | str) -> None:
         """Set together with the next question, which reads it back."""
         text = value if isinstance(value, str) else f"{value:.7g}"
         self._wanted[name] = value
-        self.line.hold(self.language.settings[name].command.format(text))
+        self.line.hold_back(self.language.settings[name].command.format(text))
 
     def errors(self) -> list[str]:
         """All errors it has noted."""
@@ -95,7 +95,7 @@ class Instrument:
             found.append(answer)
         return found
 
-    def changed(self, *, at_all: bool) -> str:
+    def changed_settings(self, *, at_all: bool) -> str:
         """What is no longer as it was set, in words, or empty: at all settings, or at as many as fit into LOOK_S."""
         if at_all:
             self._queue.clear()
@@ -140,19 +140,19 @@ class Instrument:
             for remedy in ("", "*CLS", "*RST"):
                 # An instrument that holds an unread error may obey nothing else; a reset switches every output off.
                 if remedy:
-                    self.line.hold(remedy)
-                self.put("offset", 0.0)
-                self.put("output", "OFF")
+                    self.line.hold_back(remedy)
+                self.set_with_next_question("offset", 0.0)
+                self.set_with_next_question("output", "OFF")
                 if self._is_off():
                     return
         except DeviceGoneError:
             with suppress(DeviceGoneError):
                 self._ramp_down(answering=False)
-                self.put("output", "OFF")
+                self.set_with_next_question("output", "OFF")
                 self.line.flush()
             raise
         raise DeviceGoneError(
-            "the output was switched off, but the generator does not confirm it", where=self.where,
+            "the output was switched off, but the generator does not confirm it", where=self.place_in_messages,
             remedy=AMPLIFIER_OFF,
         )  # fmt: skip
 
@@ -168,7 +168,7 @@ class Instrument:
         step, left, unasked, every = vpp / STOP_STEPS, vpp, 0, 1
         while left > lowest:
             left, unasked = max(lowest, left - step), unasked + 1
-            self.put("amplitude", left)
+            self.set_with_next_question("amplitude", left)
             # Steps wait for their answers: else the network would hand over several at once.
             if answering and unasked >= every:
                 asked_s, unasked = time.monotonic(), 0
@@ -183,7 +183,7 @@ class Instrument:
         """In Vpp: what the instrument says, or what it was set to last."""
         if answering:
             with suppress(ValueError, ConfigurationError):
-                return number(self.language.settings["amplitude"].read(self._ask("amplitude")))
+                return number_without_unit(self.language.settings["amplitude"].read(self._ask("amplitude")))
         return float(self._wanted.get("amplitude", self.language.lowest_vpp))
 
     def _ask(self, name: Name) -> str:

@@ -25,7 +25,7 @@ _PREFIX = {"": 1.0, "U": 1e-6, "K": 1e3, "M": 1e6}
 _NUMBER = re.compile(r"([-+]?[0-9.]+(?:E[-+]?[0-9]+)?)([UKM]?)(HZ|VPP|V|S)?", re.IGNORECASE)
 
 
-def pairs(answer: str) -> dict[str, str]:
+def keyed_values(answer: str) -> dict[str, str]:
     """Values by key in an answer such as `C1:OUTP ON,LOAD,HZ` or `C1:BTWV STATE,ON,TIME,1,CARR,WVTP,SINE`.
 
     A value without a key is the STATE; what follows CARR belongs to the carrier, whose keys are `CARR.AMP` and so on.
@@ -39,7 +39,7 @@ def pairs(answer: str) -> dict[str, str]:
     return found | {f"CARR.{key}": value for key, value in zip(carrier[0::2], carrier[1::2], strict=False)}
 
 
-def number(text: str) -> float:
+def number_without_unit(text: str) -> float:
     """A number with or without its unit; infinite for an open end, however it is called.
 
     Raises:
@@ -64,12 +64,12 @@ def value_matches(name: str, wanted: float | str, found: str) -> bool:
         ValueError: a number was due, and something else came.
     """
     if name == "load":
-        return number(found) == inf
+        return number_without_unit(found) == inf
     if isinstance(wanted, str) and name not in STEP:
         return _WORDS.get(wanted.upper(), wanted.upper()) == _WORDS.get(found.upper(), found.upper())
     relative = {"amplitude": AMPLITUDE_TOLERANCE, "frequency": FREQUENCY_TOLERANCE}.get(name, 0.0)
     value = float(wanted)
-    return abs(number(found) - value) <= relative * abs(value) + STEP[name] * (1 + 1e-9)
+    return abs(number_without_unit(found) - value) <= relative * abs(value) + STEP[name] * (1 + 1e-9)
 
 
 TIMEOUT_S = 1.0
@@ -99,10 +99,12 @@ class InstrumentLine:
         try:
             self._transport = open_transport(address, baud, TIMEOUT_S)
         except (OSError, ValueError) as error:
-            raise DeviceGoneError(f"it cannot be opened: {error}", where=self.where, remedy=_REMEDY) from error
+            raise DeviceGoneError(
+                f"it cannot be opened: {error}", where=self.place_in_messages, remedy=_REMEDY
+            ) from error
 
     @property
-    def where(self) -> str:
+    def place_in_messages(self) -> str:
         """For messages."""
         return f"generator on {self.address} (rig file field excitation.output)"
 
@@ -115,7 +117,7 @@ class InstrumentLine:
         self.identity = self.ask("*IDN?")
         return self.identity
 
-    def hold(self, text: str) -> None:
+    def hold_back(self, text: str) -> None:
         """Keep a line back: it goes out together with the next question.
 
         In a network two short messages in a row wait for each other; one with both does not.
@@ -128,7 +130,7 @@ class InstrumentLine:
         Raises:
             DeviceGoneError: the line is dead.
         """
-        self.hold(text)
+        self.hold_back(text)
         self.flush()
 
     def flush(self) -> None:
@@ -199,8 +201,8 @@ class InstrumentLine:
         self._held = held
 
     def _gone(self, text: str, why: str) -> DeviceGoneError:
-        return DeviceGoneError(f"{text!r}: {why}", where=self.where, remedy=_REMEDY)
+        return DeviceGoneError(f"{text!r}: {why}", where=self.place_in_messages, remedy=_REMEDY)
 
     def _unreadable(self, what: str, remedy: str) -> BenchError:
         self._behind = bool(self.identity)
-        return ConfigurationError(what, where=self.where, remedy=remedy)
+        return ConfigurationError(what, where=self.place_in_messages, remedy=remedy)

@@ -16,8 +16,8 @@ from modallab_drivers.ni_daqmx.channels import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
 from modallab_drivers.ni_daqmx.inputs import Inputs, TriggeredRecord
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
-from modallab_drivers.ni_daqmx.route import Route, parse, retry_while_reserved
-from modallab_drivers.ni_daqmx.shaker import Shaker
+from modallab_drivers.ni_daqmx.route import Route, parse_address, retry_while_reserved
+from modallab_drivers.ni_daqmx.shaker import ShakerOutput
 from modallab_drivers.output import require, require_count
 
 State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]
@@ -34,7 +34,7 @@ class NiBench:
     def __init__(self, url: str, rig: Rig) -> None:
         """Find the devices, check the rig against them, and bring the output to 0 V."""
         self._url, self._rig = url, rig
-        self._address = parse(url)
+        self._address = parse_address(url)
         self._route = Route(self._address)
         self._inputs: Inputs | None = None
         self._state: State = "open"
@@ -43,7 +43,7 @@ class NiBench:
         self._record: TriggeredRecord | None = None
         devices = self._route.devices()
         self._plugs: tuple[Plug, ...] = plugs_of(rig, devices, url)
-        self._shaker = Shaker(self._route, rig, devices, url)
+        self._shaker = ShakerOutput(self._route, rig, devices, url)
         self._info = BenchInfo(
             url,
             tuple((f"{device.product} {device.name}", device.serial) for device in devices),

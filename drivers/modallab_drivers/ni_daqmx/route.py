@@ -48,7 +48,7 @@ class Address:
     streams: bool = False
 
 
-def parse(url: str, *, whole_system: bool = False) -> Address:
+def parse_address(url: str, *, whole_system: bool = False) -> Address:
     """Read an address strictly; that of a whole system needs to name no device.
 
     Raises:
@@ -245,7 +245,7 @@ def found_devices(url: str) -> list[FoundDevice]:
         ConfigurationError: the address is not understood.
         DeviceGoneError: no driver, no server.
     """
-    address = parse(url, whole_system=True)
+    address = parse_address(url, whole_system=True)
     route = Route(address)
     scheme, query = url.partition("://")[0], url.partition("?")[1] + url.partition("?")[2]
     base = f"{scheme}://{address.server}/" if address.server else "nidaqmx://"

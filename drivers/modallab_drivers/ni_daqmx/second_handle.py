@@ -13,7 +13,7 @@ from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_errors
 from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.ramp_down import ramp_down_to_zero, write_zero
-from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, parse, retry_while_reserved
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, parse_address, retry_while_reserved
 from modallab_drivers.ni_daqmx.synchronise import session_name
 
 
@@ -29,7 +29,7 @@ class SecondHandle:
         Raises:
             BenchError: no such device or output.
         """
-        self._route = Route(parse(url))
+        self._route = Route(parse_address(url))
         self._rig = rig
         self._where = url
         self._outputs = dict(outputs_of(rig, self._route.devices(), url))

@@ -17,7 +17,7 @@ PROBE_S = 10.0
 """Of a watchdog that is made only to see whether there is one."""
 
 
-class Shaker:
+class ShakerOutput:
     """The excitation of one bench; a rig may have none, and then nothing can be played.
 
     Attributes:

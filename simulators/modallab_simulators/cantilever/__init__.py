@@ -2,7 +2,7 @@
 
 from modallab.bench.protocol import Bench
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.address import parse
+from modallab_simulators.cantilever.address import parse_address
 from modallab_simulators.cantilever.bench import CantileverBench
 
 
@@ -12,4 +12,4 @@ def open_bench(url: str, rig: Rig) -> Bench:
     Raises:
         ConfigurationError: the address is not understood, or the rig describes no such bench.
     """
-    return CantileverBench(url, rig, parse(url))
+    return CantileverBench(url, rig, parse_address(url))

@@ -16,7 +16,7 @@ TOLERANCES = ("none", "usual", "stated")
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class BenchSettings:
     """What the address says.
 
     Attributes:
@@ -51,7 +51,7 @@ class Settings:
     tolerances: str = "none"
 
 
-def parse(url: str) -> Settings:
+def parse_address(url: str) -> BenchSettings:
     """Read an address strictly.
 
     Raises:
@@ -74,7 +74,7 @@ def parse(url: str) -> Settings:
         raise ConfigurationError(
             "\n".join(problems), where=url, remedy="correct what is named, or leave it out to have the default"
         )
-    return Settings(**values)  # each reader returns the field's type
+    return BenchSettings(**values)  # each reader returns the field's type
 
 
 def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, Any], list[str]]:
@@ -98,7 +98,7 @@ def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, Any], list[str]]:
 
 def _value(name: str, text: str, problems: list[str]) -> object:
     if name not in _READERS:
-        names = ", ".join(sorted(f.name if f.name != "effects" else "effect" for f in fields(Settings)))
+        names = ", ".join(sorted(f.name if f.name != "effects" else "effect" for f in fields(BenchSettings)))
         problems.append(f"unknown parameter {name!r}; allowed: {names}")
         return None
     reader, allowed = _READERS[name]

@@ -10,7 +10,7 @@ from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
 from modallab_simulators.cantilever.cracked import LocalStiffnessLoss
 from modallab_simulators.cantilever.feedback.elements import CrackElement, Drag, PointElement
 from modallab_simulators.cantilever.modes import Damper, Modes
-from modallab_simulators.cantilever.sensor import Sensor
+from modallab_simulators.cantilever.sensor import SensorTransfer
 
 Element = PointElement | CrackElement
 Rows = Mapping[int, float]
@@ -117,7 +117,7 @@ class ChainChanges:
 
     exchanged: tuple[tuple[int, int], ...] = ()
     moved_m: Rows = field(default_factory=_no_rows)
-    filters: tuple[tuple[int | None, Sensor], ...] = ()
+    filters: tuple[tuple[int | None, SensorTransfer], ...] = ()
     gain: Rows = field(default_factory=_no_rows)
     force_gain: float = 1.0
     skew_s: float = 0.0

@@ -150,7 +150,7 @@ def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary
     return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != np.inf else bare
 
 
-def beside(basis: Basis, true: TrueBeam, changes: StructureChanges, width_m: float, reach: float) -> Basis:
+def with_side_modes(basis: Basis, true: TrueBeam, changes: StructureChanges, width_m: float, reach: float) -> Basis:
     """The basis with families of modes that are none of bending in the drive's direction, if sensors see any."""
     for family in changes.side_modes:
         modes = family.modes(true, width_m)

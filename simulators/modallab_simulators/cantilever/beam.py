@@ -154,7 +154,7 @@ OFF_LINE = 0.1
 _TRIES = 1000
 
 
-class Stream(IntEnum):
+class RandomStream(IntEnum):
     """Independent streams of one seed."""
 
     BEAM = 1
@@ -172,7 +172,7 @@ class Stream(IntEnum):
     SCATTER = 13
 
 
-def generator(seed: int, stream: Stream, *place: int) -> np.random.Generator:
+def random_generator(seed: int, stream: RandomStream, *place: int) -> np.random.Generator:
     """The random numbers of one stream, which depend on nothing drawn elsewhere."""
     return np.random.default_rng([seed, stream, *place])
 
@@ -194,7 +194,7 @@ def draw_beam(seed: int, nominal: Beam, tolerance: Tolerance, kappa: float) -> T
     first draw at least 0.1 line away from every line is taken; where a tolerance of almost nothing leaves the beam
     on a line, the draw farthest from it.
     """
-    rng = generator(seed, Stream.BEAM)
+    rng = random_generator(seed, RandomStream.BEAM)
     sigma = [tolerance.youngs_modulus, tolerance.thickness, tolerance.density]
     best, best_off = None, -1.0
     for _ in range(_TRIES):
@@ -222,7 +222,7 @@ def draw_damping(seed: int, count: int, given: tuple[float, ...]) -> NDArray[np.
     """Damping ratios of the first `count` modes: uniform in 0.3 to 1 %, or as given, (count,)."""
     if len(given) == 1:
         return np.full(count, given[0])
-    drawn = generator(seed, Stream.DAMPING).uniform(*ZETA_RANGE, size=count)
+    drawn = random_generator(seed, RandomStream.DAMPING).uniform(*ZETA_RANGE, size=count)
     first = np.array(given[:count], dtype=np.float64)
     drawn[: len(first)] = first
     return drawn
@@ -230,4 +230,4 @@ def draw_damping(seed: int, count: int, given: tuple[float, ...]) -> NDArray[np.
 
 def draw_clock(seed: int) -> float:
     """How fast the generator's clock runs, relative to the converter's: up to 20e-6 either way."""
-    return float(generator(seed, Stream.CLOCK).uniform(-MAX_PPM, MAX_PPM)) * 1e-6
+    return float(random_generator(seed, RandomStream.CLOCK).uniform(-MAX_PPM, MAX_PPM)) * 1e-6

@@ -11,15 +11,15 @@ import numpy as np
 from modallab.bench.protocol import AcquisitionRequest, BenchInfo, Burst, DeliveredSampling, SampleChunk, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
-from modallab_simulators.cantilever.beam import Stream, generator
+from modallab_simulators.cantilever.address import EVERYDAY, BenchSettings, SessionConditions
+from modallab_simulators.cantilever.beam import RandomStream, random_generator
 from modallab_simulators.cantilever.chain import outputs_of
-from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Hit, OperatorLine, PlannedHit, ScriptedHit, draw_hit
+from modallab_simulators.cantilever.excitation import ForceTimeline
+from modallab_simulators.cantilever.hammer import HammerHit, OperatorLine, PlannedHit, ScriptedHit, draw_hit
 from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
 from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput, require_burst, require_wave
 from modallab_simulators.cantilever.stream import BenchAtOneRate, SampleStream
-from modallab_simulators.cantilever.truth import Truth, draw_truth
+from modallab_simulators.cantilever.truth import BenchTruth, draw_truth
 
 RATES_HZ = (100.0, 10_000.0)
 LATENCY_S = 0.002
@@ -41,7 +41,9 @@ class CantileverBench:
         circumstances: how the bench is met.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, circumstances: SessionConditions = EVERYDAY) -> None:
+    def __init__(
+        self, url: str, rig: Rig, settings: BenchSettings, circumstances: SessionConditions = EVERYDAY
+    ) -> None:
         self._rig, self._settings = rig, settings
         self._truth = draw_truth(settings, rig, circumstances)
         self._rows = len(outputs_of(rig, self._truth.effects.altered.chain))
@@ -67,7 +69,7 @@ class CantileverBench:
         return self._info
 
     @property
-    def truth(self) -> Truth:
+    def truth(self) -> BenchTruth:
         """What the seed has drawn, and what was put into it."""
         return self._truth
 
@@ -105,8 +107,8 @@ class CantileverBench:
         self._require("configured", "stopped", to="start")
         self._starts += 1
         site, began_s = self._site, self._age_s
-        site.age(began_s, exactly=True)
-        self._excitation = Excitation(
+        site.drift_to(began_s, exactly=True)
+        self._excitation = ForceTimeline(
             self._shakers_x,
             self._settings.n_per_v,
             site.floor_of_start(self._starts),
@@ -117,8 +119,8 @@ class CantileverBench:
             site.chain_of_start(self._starts),
             self._excitation,
             site.rate_hz,
-            generator(self._settings.seed, Stream.NOISE, self._starts),
-            generator(self._settings.seed, Stream.FLAWS, self._starts),
+            random_generator(self._settings.seed, RandomStream.NOISE, self._starts),
+            random_generator(self._settings.seed, RandomStream.FLAWS, self._starts),
         )
         self._began_s, self._held_to_s = time.monotonic(), 0.0
         self._state = "running"
@@ -133,7 +135,7 @@ class CantileverBench:
         if self._operator is not None:
             self._act(self._operator)
         first = self._stream.position
-        samples = self._stream.take(count)
+        samples = self._stream.next_samples(count)
         return SampleChunk(first, samples, self._site.chain.overload(samples))
 
     def play(self, burst: Burst, later_s: float = 0.0) -> int:
@@ -164,13 +166,13 @@ class CantileverBench:
         self._require("running", to="play")
         if not self._shakers_x:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
-        if self._excitation.running(self._now_s):
+        if self._excitation.is_playing(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for it, or call zero()")
 
     def _emit(self, *made: Callable[[float], BurstOutput | WaveOutput]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        self._excitation.emit(*(one(start / self._site.rate_hz) for one in made))
-        self._stream.changed()
+        self._excitation.play_outputs(*(one(start / self._site.rate_hz) for one in made))
+        self._stream.excitation_changed()
         return start + self._site.structure.force_delay
 
     def prompt_hit(self, point: int) -> None:
@@ -183,22 +185,22 @@ class CantileverBench:
         swing = self._drawn_swing()
         overload_force_n = self._site.overload_force_n(swing.width_s, self._on_beam(x_m + swing.place_m))
         changes = self._truth.effects.altered.excitation
-        own_m, own_gain = generator(self._settings.seed, Stream.SCATTER, self._swings).standard_normal(2)
+        own_m, own_gain = random_generator(self._settings.seed, RandomStream.SCATTER, self._swings).standard_normal(2)
         x_m = self._on_beam(x_m + swing.place_m + changes.hit_shift_m + own_m * changes.scatter_m)
         hits = self._with_knock(swing.hit(self._now_s, x_m, overload_force_n))
         if changes.gain_scatter:
             # What does not fall square gives the beam more or less than the transducer feels.
-            hits.append(hits[0].knock(own_gain * changes.gain_scatter))
+            hits.append(hits[0].knock_before(own_gain * changes.gain_scatter))
         self._hit_s = hits[0].start_s
         self._excitation.give_up(self._now_s)
         self._excitation.strike(hits)
-        self._stream.changed()
+        self._stream.excitation_changed()
 
     def zero(self) -> None:
         """Bring the output to 0 V: after CUT_S it falls from the value it has then."""
         if self._state == "running":
-            self._excitation.cut(self._now_s + CUT_S)
-            self._stream.changed()
+            self._excitation.end_outputs(self._now_s + CUT_S)
+            self._stream.excitation_changed()
 
     def stop(self) -> None:
         """Stop streaming, with the output at 0 V."""
@@ -215,17 +217,17 @@ class CantileverBench:
             self._operator.close()
 
     def _structure_at(self, site: BenchAtOneRate, began_s: float, at_s: float) -> MovingStructure:
-        return site.held if at_s < self._held_to_s else site.age(began_s + at_s)
+        return site.with_hand_on_beam if at_s < self._held_to_s else site.drift_to(began_s + at_s)
 
     def _act(self, operator: OperatorLine) -> None:
         """Do what the operator has asked for; without a new act nothing changes."""
-        for act in operator.acts():
+        for act in operator.next_actions():
             if isinstance(act, ScriptedHit):
                 self._swings += 1
-                rng = generator(self._settings.seed, Stream.HITS, self._swings)
+                rng = random_generator(self._settings.seed, RandomStream.HITS, self._swings)
                 beside_m = act.beside_m + self._settings.place_m * rng.standard_normal()
                 self._excitation.strike(act.hits(self._now_s, self._on_beam(self._rig.x_of(act.point) + beside_m)))
-                self._stream.changed()
+                self._stream.excitation_changed()
             else:
                 self._held_to_s = self._now_s + act.seconds
 
@@ -243,19 +245,19 @@ class CantileverBench:
     def _drawn_swing(self) -> PlannedHit:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
-        rng = generator(settings.seed, Stream.HITS, self._swings)
+        rng = random_generator(settings.seed, RandomStream.HITS, self._swings)
         swing = draw_hit(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
-        return swing.stretched(self._rate / self._site.rate_hz, self._circumstances.stretch)
+        return swing.slowed(self._rate / self._site.rate_hz, self._circumstances.stretch)
 
-    def _with_knock(self, hit: Hit) -> list[Hit]:
+    def _with_knock(self, hit: HammerHit) -> list[HammerHit]:
         """The hit, and before it what it finds still ringing: a knock the transducer does not feel."""
         fraction = self._truth.effects.altered.excitation.ringing
         if not fraction:
             return [hit]
-        rng = generator(self._settings.seed, Stream.KNOCKS, self._swings)
+        rng = random_generator(self._settings.seed, RandomStream.KNOCKS, self._swings)
         share, before_s = fraction * rng.uniform(*KNOCK_SPREAD), KNOCK_S + rng.uniform(*KNOCK_JITTER_S)
-        hit = hit.after(max(0.0, self._now_s + before_s - hit.start_s))
-        return [hit, hit.knock(share).after(-before_s)]
+        hit = hit.delayed(max(0.0, self._now_s + before_s - hit.start_s))
+        return [hit, hit.knock_before(share).delayed(-before_s)]
 
     def _require(self, *legal: State, to: str) -> None:
         if self._state not in legal:

@@ -11,9 +11,9 @@ from modallab.core.block import Block, Campaign
 from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.effects import Effect, Parameter
 from modallab.core.rig import Converter, Rig
-from modallab_simulators.cantilever.beam import Stream, generator
+from modallab_simulators.cantilever.beam import RandomStream, random_generator
 from modallab_simulators.cantilever.effect_part import EffectPart, Ties
-from modallab_simulators.cantilever.effects import allowed, kinds, part_of
+from modallab_simulators.cantilever.effects import allowed_range, kinds, part_of
 from modallab_simulators.cantilever.injected_effects import inject_effects
 from modallab_simulators.cantilever.trial import LEVELS_N, make_trial, sound_trial
 
@@ -93,7 +93,7 @@ def _mean_square(recorded: Campaign, sound: Campaign, gain: float) -> float:
     return total / count
 
 
-def solve(
+def size_for_gap(
     gap: Callable[[float], float], span: tuple[float, float], slope: float, requested: float
 ) -> tuple[float, float]:
     """The size at which the gap is within 5 % of the requested one; else the nearest that was met.
@@ -158,7 +158,7 @@ class DrawnEffect:
 def draw_gap(seed: int) -> float:
     """A size of the gap, log-uniform from 1.5 to 300 noise units."""
     low, high = GAP_RANGE
-    return exp(generator(seed, Stream.GAP).uniform(log(low), log(high)))
+    return exp(random_generator(seed, RandomStream.GAP).uniform(log(low), log(high)))
 
 
 def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) -> DrawnEffect:
@@ -181,9 +181,9 @@ def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) 
         return _read(ruler, shape.at(0.0), target)
     if part.seen_by_force:
         # What the force channel sees opens no gap: a diagnosis had better not be misled.
-        effect = shape.at(generator(seed, Stream.GAP, 1).uniform(*shape.span))
+        effect = shape.at(random_generator(seed, RandomStream.GAP, 1).uniform(*shape.span))
         return _read(ruler, effect, target)
-    size, gap = solve(lambda s: ruler.gap((shape.at(s),)), shape.span, part.drawn.slope, target)
+    size, gap = size_for_gap(lambda s: ruler.gap((shape.at(s),)), shape.span, part.drawn.slope, target)
     return DrawnEffect(shape.at(size), target, gap, ruler.moves((shape.at(size),)))
 
 
@@ -196,7 +196,7 @@ class _Shape:
 
     def __init__(self, rig: Rig, seed: int, part: EffectPart) -> None:
         self._part, self._kind = part, part.kind
-        self._rng = generator(seed, Stream.EFFECT, *part.name.encode())
+        self._rng = random_generator(seed, RandomStream.EFFECT, *part.name.encode())
         assert rig.beam is not None
         self.main: Parameter | None = next((p for p in self._kind.parameters if p.high > p.low * 1.5), None)
         self._place = _drawn_place(rig, self._rng, part)
@@ -206,7 +206,7 @@ class _Shape:
         self.span = (0.0, 0.0)
         if self.main:
             low, high = self.main.bounds(rig.beam)
-            top = allowed(part, self.main.name)[1]
+            top = allowed_range(part, self.main.name)[1]
             self.span = (log(low), log(min(high, top, self._room(rig), self._whole())))
 
     def at(self, size: float) -> Effect:

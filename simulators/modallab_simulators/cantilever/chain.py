@@ -13,13 +13,13 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test, si_factor
 from modallab_simulators.cantilever.altered_bench import ChainChanges
-from modallab_simulators.cantilever.loads import Output
-from modallab_simulators.cantilever.sensor import Sensor
+from modallab_simulators.cantilever.loads import SensorOutput
+from modallab_simulators.cantilever.sensor import SensorTransfer
 
 _ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
-def outputs_of(rig: Rig, changes: ChainChanges) -> tuple[Output, ...]:
+def outputs_of(rig: Rig, changes: ChainChanges) -> tuple[SensorOutput, ...]:
     """One output per row, in rig order.
 
     Raises:
@@ -44,7 +44,7 @@ def sensor_rows(rig: Rig, changes: ChainChanges) -> list[int]:
     return rows
 
 
-def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> Output:
+def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> SensorOutput:
     if channel.mass_kg:
         raise ConfigurationError(
             f"mass_kg is {channel.mass_kg}",
@@ -54,9 +54,9 @@ def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> Outp
     later = row * changes.skew_s
     if channel.quantity == "force":
         shaker = next(n for n, force in enumerate(rig.forces) if force.name == channel.name)
-        return Output("force", later_s=later, shaker=shaker)
+        return SensorOutput("force", later_s=later, shaker=shaker)
     if channel.quantity == "voltage":
-        return Output("voltage", later_s=later)
+        return SensorOutput("voltage", later_s=later)
     if channel.point is None:
         raise ConfigurationError(
             f"a {channel.quantity} that stands at no point",
@@ -65,21 +65,21 @@ def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> Outp
         )
     later += changes.delay_s
     x_m = rig.x_of(channel.point) + changes.moved_m.get(channel.index, 0.0)
-    return Output("motion", x_m, _ORDER[channel.quantity], later, _sensor(channel, changes))
+    return SensorOutput("motion", x_m, _ORDER[channel.quantity], later, _sensor(channel, changes))
 
 
-def _sensor(channel: Channel, changes: ChainChanges) -> Sensor:
-    sensor = Sensor()
+def _sensor(channel: Channel, changes: ChainChanges) -> SensorTransfer:
+    sensor = SensorTransfer()
     if channel.quantity != "acceleration":
         return sensor
     for row, own in changes.filters:
         if row is None or row == channel.index:
-            sensor = sensor.then(own)
+            sensor = sensor.followed_by(own)
     return sensor
 
 
 @dataclass(frozen=True, slots=True)
-class Hum:
+class MainsHum:
     """The mains on every row: volts (0.5 + 0.1 k) in row k."""
 
     volts: float = 0.0
@@ -134,7 +134,7 @@ class Chain:
     high: int
     dtype: np.dtype[np.generic]
     clip_v: Real
-    hum: Hum
+    hum: MainsHum
     knee_v: Real
     lost_share: Real
     jitter_s: float
@@ -159,7 +159,7 @@ class Chain:
             full - 1,
             np.dtype(np.int16 if converter.bits <= 16 else np.int32),
             np.full(len(rig.channels), inf),
-            Hum(),
+            MainsHum(),
             np.array([changes.knee_v.get(row, inf) for row in rows]),
             np.array([changes.lost_share.get(row, 0.0) for row in rows]),
             changes.jitter_s,

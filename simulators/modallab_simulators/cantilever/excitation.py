@@ -6,15 +6,15 @@ from typing import NamedTuple
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab_simulators.cantilever.hammer import Hit
-from modallab_simulators.cantilever.loads import Drive
+from modallab_simulators.cantilever.hammer import HammerHit
+from modallab_simulators.cantilever.loads import BeamLoad
 from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput
 
 PERIOD_S = 65.536
 BAND_HZ = (2.0, 200.0)
 
 
-class Floor:
+class FloorMotion:
     """White between 2 and 200 Hz, repeating only after a minute.
 
     Args:
@@ -33,7 +33,7 @@ class Floor:
         wave = np.fft.irfft(lines, count)
         self._wave = wave * (rms_acc / np.sqrt(np.mean(wave**2)))
 
-    def starting(self, rng: np.random.Generator) -> "Floor":
+    def starting(self, rng: np.random.Generator) -> "FloorMotion":
         """The same motion, met at another time."""
         other = copy(self)
         other._begins = int(rng.integers(len(self._wave)))
@@ -56,36 +56,36 @@ class _On(NamedTuple):
     emission: BurstOutput | WaveOutput
 
 
-class Excitation:
+class ForceTimeline:
     """The timeline of all forces, in seconds since the stream began."""
 
     def __init__(
-        self, shakers_x_m: tuple[float, ...], n_per_v: float, floor: Floor | None = None, harmonics: float = 0.0
+        self, shakers_x_m: tuple[float, ...], n_per_v: float, floor: FloorMotion | None = None, harmonics: float = 0.0
     ) -> None:
         self._shakers_x_m = shakers_x_m
         self._n_per_v = n_per_v
         self._floor = floor
         self._harmonics = harmonics
-        self._hits: list[Hit] = []
+        self._hits: list[HammerHit] = []
         self._emissions: list[_On] = []
 
     def give_up(self, now_s: float) -> None:
         """Hits that were meant but not yet struck are not."""
         self._hits = [b for b in self._hits if b.start_s <= now_s]
 
-    def strike(self, hits: list[Hit]) -> None:
+    def strike(self, hits: list[HammerHit]) -> None:
         """Schedule hits."""
         self._hits += hits
 
-    def emit(self, *emissions: BurstOutput | WaveOutput) -> None:
+    def play_outputs(self, *emissions: BurstOutput | WaveOutput) -> None:
         """Put a burst or a wave on each shaker, the first one's first."""
         self._emissions += [_On(shaker, emission) for shaker, emission in enumerate(emissions)]
 
-    def running(self, now_s: float) -> bool:
+    def is_playing(self, now_s: float) -> bool:
         """Whether a burst has still to come to its end, other than one that was cut."""
         return any(e.cut_s is None and e.end_s > now_s for _, e in self._emissions)
 
-    def cut(self, at_s: float) -> None:
+    def end_outputs(self, at_s: float) -> None:
         """Bring all shakers to zero at `at_s`."""
         self._emissions = [_On(shaker, e.cut(at_s)) for shaker, e in self._emissions if e.start_s < at_s]
 
@@ -94,25 +94,25 @@ class Excitation:
         self._hits = [b for b in self._hits if b.end_s >= before_s]
         self._emissions = [on for on in self._emissions if on.emission.end_s >= before_s]
 
-    def drives(self, first: int, count: int, step_s: float) -> list[Drive]:
+    def loads_acting(self, first: int, count: int, step_s: float) -> list[BeamLoad]:
         """The loads that act on `count` internal samples from `first`; none where nothing excites."""
         start_s, end_s = first * step_s, (first + count) * step_s
         hits = [b for b in self._hits if b.start_s < end_s and b.end_s > start_s]
         played = [on for on in self._emissions if on.emission.start_s < end_s and on.emission.end_s > start_s]
-        shaking = [Drive(0.0, self._floor.acceleration(first, count), 0.0, "base", False)] if self._floor else []
+        shaking = [BeamLoad(0.0, self._floor.acceleration(first, count), 0.0, "base", False)] if self._floor else []
         if not hits and not played:
             return shaking
         times = np.arange(first, first + count, dtype=np.float64) * step_s
-        drives = [Drive(hit.x_m, hit.force(times), seen=hit.seen) for hit in hits]
+        drives = [BeamLoad(hit.x_m, hit.force(times), seen=hit.seen) for hit in hits]
         for shaker, x_m in enumerate(self._shakers_x_m):
             volts = [e.volts(times) for own, e in played if own == shaker]
             if volts:
                 drives += self._shaken(shaker, x_m, np.sum(volts, axis=0))
         return drives + shaking
 
-    def _shaken(self, shaker: int, x_m: float, volts: Real) -> list[Drive]:
-        drives = [Drive(x_m, volts * self._n_per_v, 1 / self._n_per_v, shaker=shaker)]
+    def _shaken(self, shaker: int, x_m: float, volts: Real) -> list[BeamLoad]:
+        drives = [BeamLoad(x_m, volts * self._n_per_v, 1 / self._n_per_v, shaker=shaker)]
         if self._harmonics:
             distorted = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
-            drives.append(Drive(x_m, distorted * self._n_per_v, shaker=shaker))
+            drives.append(BeamLoad(x_m, distorted * self._n_per_v, shaker=shaker))
         return drives

@@ -27,7 +27,7 @@ class ContactPulse:
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
+class HammerHit:
     """What the hammer does at one place; or, where its transducer does not feel it, something else that knocks."""
 
     x_m: float
@@ -44,14 +44,14 @@ class Hit:
         """When it last lets go."""
         return self.contacts[-1].start_s + self.contacts[-1].width_s
 
-    def after(self, wait_s: float) -> "Hit":
+    def delayed(self, wait_s: float) -> "HammerHit":
         """The same, later."""
         return replace(self, contacts=tuple(replace(c, start_s=c.start_s + wait_s) for c in self.contacts))
 
-    def knock(self, share: float) -> "Hit":
+    def knock_before(self, share: float) -> "HammerHit":
         """A share of the first contact, which the transducer does not feel."""
         first = self.contacts[0]
-        return Hit(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
+        return HammerHit(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
 
     def force(self, times_s: Real) -> Real:
         """Force in N at the given times."""
@@ -88,7 +88,7 @@ class PlannedHit:
     rebound_s: float = 0.0
     rebound_share: float = 0.0
 
-    def stretched(self, waiting: float, contact: float) -> "PlannedHit":
+    def slowed(self, waiting: float, contact: float) -> "PlannedHit":
         """The same with the time to the hit, and with those of the contact, longer by these factors."""
         return replace(
             self,
@@ -97,14 +97,14 @@ class PlannedHit:
             rebound_s=self.rebound_s * contact,
         )
 
-    def hit(self, prompted_s: float, x_m: float, overload_force_n: float) -> Hit:
+    def hit(self, prompted_s: float, x_m: float, overload_force_n: float) -> HammerHit:
         """The hit at `x_m`, no harder than `overload_force_n`."""
         start = prompted_s + self.reaction_s
         peak = self.weak_n if self.weak_n else min(self.peak_n, overload_force_n)
         contacts = [ContactPulse(start, self.width_s, peak)]
         if self.rebound_s:
             contacts.append(ContactPulse(start + self.rebound_s, self.width_s, peak * self.rebound_share))
-        return Hit(x_m, tuple(contacts))
+        return HammerHit(x_m, tuple(contacts))
 
 
 def draw_hit(
@@ -153,14 +153,14 @@ class ScriptedHit:
     oblique_deg: float = 0.0
     beside_m: float = 0.0
 
-    def hits(self, now_s: float, x_m: float) -> list[Hit]:
+    def hits(self, now_s: float, x_m: float) -> list[HammerHit]:
         """What acts: on the beam, and on the hammer's transducer alone, which stands on the clamp for that."""
         start, share = now_s + self.after_s, cos(radians(self.oblique_deg))
         contacts = [ContactPulse(start, self.width_s, self.peak_n)]
         if self.rebound_s:
             contacts.append(ContactPulse(start + self.rebound_s, self.width_s, self.peak_n * self.rebound_share))
-        on_beam = Hit(x_m, _scaled(contacts, share))
-        return [on_beam] if share == 1 else [on_beam, Hit(0.0, _scaled(contacts, 1 - share))]
+        on_beam = HammerHit(x_m, _scaled(contacts, share))
+        return [on_beam] if share == 1 else [on_beam, HammerHit(0.0, _scaled(contacts, 1 - share))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +190,7 @@ class OperatorLine:
             self._socket.close()
             raise ConfigurationError(f"operator is {port}: {error}", remedy="name a free port") from error
 
-    def acts(self) -> list[Act]:
+    def next_actions(self) -> list[Act]:
         """What was asked for since the last look.
 
         Raises:

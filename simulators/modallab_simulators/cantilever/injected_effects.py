@@ -11,7 +11,7 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
-from modallab_simulators.cantilever.effects import allowed, kinds, part_of, parts
+from modallab_simulators.cantilever.effects import allowed_range, effect_parts, kinds, part_of
 
 
 def read_effect(text: str) -> tuple[Effect | None, list[str]]:
@@ -54,7 +54,7 @@ def _parameters(part: EffectPart, given: dict[str, str], problems: list[str]) ->
                 problems.append(f"{kind.name}: {name} is missing; allowed: {_range(part, name)}")
             continue
         value = _number(text)
-        low, high = allowed(part, name)
+        low, high = allowed_range(part, name)
         if value is None or not low <= value <= high or value == 0.0:
             problems.append(f"{kind.name}: {name} is {text!r}; allowed: {_range(part, name)}")
         else:
@@ -104,7 +104,7 @@ def _number(text: str) -> float | None:
 
 
 def _range(part: EffectPart, name: str) -> str:
-    low, high = allowed(part, name)
+    low, high = allowed_range(part, name)
     unit = next((p.unit for p in part.kind.parameters if p.name == name), "")
     if low == high:
         return f"{low:g}"
@@ -146,7 +146,7 @@ def inject_effects(effects: Sequence[Effect], rig: Rig) -> InjectedEffects:
     problems: list[str] = []
     placed = tuple(_at_shaker(e, rig, problems) for e in effects)
     if sum(part_of(e.effect).joint for e in placed) > 1:
-        joints = " and ".join(name for name, part in parts().items() if part.joint)
+        joints = " and ".join(name for name, part in effect_parts().items() if part.joint)
         problems.append(f"{joints} are both the joint at the root; allowed: one of them")
     for place, effect in enumerate(placed):
         problems += _channel_problems(effect, rig) or part_of(effect.effect).check(effect, rig)

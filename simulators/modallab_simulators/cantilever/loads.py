@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from modallab.core.arrays import Complex128, Real
-from modallab_simulators.cantilever.sensor import Sensor
+from modallab_simulators.cantilever.sensor import SensorTransfer
 
 BLOCK = 960
 """Delivered samples in one stretch: with the filter's length it fills an FFT of 1024."""
 
-_PLAIN = Sensor()
+_PLAIN = SensorTransfer()
 
 Load = Literal["force", "moment", "base", "spread"]
 
@@ -29,7 +29,7 @@ class DistributedLoad:
 
 
 @dataclass(frozen=True, slots=True)
-class Output:
+class SensorOutput:
     """What one channel sees.
 
     Attributes:
@@ -45,12 +45,12 @@ class Output:
     x_m: float = 0.0
     order: int = 0
     later_s: float = 0.0
-    sensor: Sensor = _PLAIN
+    sensor: SensorTransfer = _PLAIN
     shaker: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Drive:
+class BeamLoad:
     """A load on the beam.
 
     Attributes:
@@ -98,10 +98,10 @@ class MovingStructure(Protocol):
         """First internal sample and number of those whose force a stretch needs."""
         ...
 
-    def advance(self, state: Any, drives: Sequence[Drive]) -> tuple[Real, Any]:
+    def advance(self, state: Any, drives: Sequence[BeamLoad]) -> tuple[Real, Any]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         ...
 
-    def skip(self, state: Any, drives: Sequence[Drive]) -> Any:
+    def skip(self, state: Any, drives: Sequence[BeamLoad]) -> Any:
         """The state after a stretch of which nobody wants the outputs."""
         ...

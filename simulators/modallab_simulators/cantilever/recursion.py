@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128, Real, gauss_legendre
-from modallab_simulators.cantilever.sensor import Sensor
+from modallab_simulators.cantilever.sensor import SensorTransfer
 
 _MAX_LOG = 300.0
 
@@ -25,11 +25,11 @@ class LinearRecursion:
         self._decays: Complex128 = np.exp(np.multiply.outer(np.arange(length + 1) * step_s, poles))
         self._grows: Complex128 = np.exp(np.multiply.outer(-np.arange(1, self._stretch + 1) * step_s, poles))
 
-    def free(self, start: Complex128) -> tuple[Complex128, Complex128]:
+    def undriven_states(self, start: Complex128) -> tuple[Complex128, Complex128]:
         """States of an undriven stretch, (length, poles), and the state after it."""
         return self._decays[:-1] * start, self._decays[-1] * start
 
-    def driven(self, start: Complex128, driving: Complex128) -> tuple[Complex128, Complex128]:
+    def driven_states(self, start: Complex128, driving: Complex128) -> tuple[Complex128, Complex128]:
         """States of a stretch driven by w, (length, poles), and the state after it."""
         states = np.empty_like(driving)
         for first in range(0, self._length, self._stretch):
@@ -127,7 +127,7 @@ def plain_feeds(shares: Complex128 | Real, poles: Complex128, rest: float, order
     return feeds
 
 
-def sensed_feeds(feeds: Real, sensor: Sensor) -> Real:
+def sensed_feeds(feeds: Real, sensor: SensorTransfer) -> Real:
     """The same behind a sensor: of (w0 + w1 s + w2 s^2) H(s), the part that is a polynomial."""
     sensed = sensor.direct * feeds
     for pole, residue in sensor.pairs:
@@ -136,7 +136,7 @@ def sensed_feeds(feeds: Real, sensor: Sensor) -> Real:
     return sensed
 
 
-def transfer(c: Complex128, poles: Complex128, feeds: Real, s: complex) -> complex:
+def point_transfer(c: Complex128, poles: Complex128, feeds: Real, s: complex) -> complex:
     """What a unit load makes of a point's motion at a complex frequency."""
     modal = (c / (s - poles) - np.conj(c) / (s - np.conj(poles))).sum() / 2j
     return complex(modal + feeds[0] + feeds[1] * s + feeds[2] * s * s)
@@ -148,7 +148,7 @@ DELAY = 30
 _STOP_DB = 105.0
 
 
-def lowpass(oversample: int, later: float = 0.0, wait: int = 0) -> NDArray[np.float64]:
+def lowpass_taps(oversample: int, later: float = 0.0, wait: int = 0) -> NDArray[np.float64]:
     """Taps at `oversample` times the delivered rate, (2 * DELAY * oversample + wait + 1,).
 
     Kaiser-windowed ideal low-pass at half the delivered rate (Oppenheim and Schafer, Discrete-Time Signal Processing,

@@ -7,7 +7,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
-class Sensor:
+class SensorTransfer:
     """H(s) = direct + sum of residue / (s - pole), a complex pole standing for the pair.
 
     Attributes:
@@ -20,7 +20,7 @@ class Sensor:
     poles: tuple[complex, ...] = ()
     residues: tuple[complex, ...] = ()
 
-    def at(self, s: complex | np.ndarray) -> complex | np.ndarray:
+    def response_at(self, s: complex | np.ndarray) -> complex | np.ndarray:
         """H(s)."""
         total = self.direct + 0 * s
         for pole, residue in self.pairs:
@@ -37,28 +37,28 @@ class Sensor:
                 both.append((pole.conjugate(), residue.conjugate()))
         return tuple(both)
 
-    def then(self, other: "Sensor") -> "Sensor":
+    def followed_by(self, other: "SensorTransfer") -> "SensorTransfer":
         """This one followed by another, whose poles are others."""
-        residues = [complex(r * other.at(p)) for p, r in zip(self.poles, self.residues, strict=True)]
-        residues += [complex(r * self.at(p)) for p, r in zip(other.poles, other.residues, strict=True)]
-        return Sensor(self.direct * other.direct, self.poles + other.poles, tuple(residues))
+        residues = [complex(r * other.response_at(p)) for p, r in zip(self.poles, self.residues, strict=True)]
+        residues += [complex(r * self.response_at(p)) for p, r in zip(other.poles, other.residues, strict=True)]
+        return SensorTransfer(self.direct * other.direct, self.poles + other.poles, tuple(residues))
 
 
-def high_pass(corner_hz: float) -> Sensor:
+def high_pass(corner_hz: float) -> SensorTransfer:
     """First order, -3 dB at the corner: s / (s + w)."""
     w = 2 * pi * corner_hz
-    return Sensor(1.0, (complex(-w),), (complex(-w),))
+    return SensorTransfer(1.0, (complex(-w),), (complex(-w),))
 
 
-def low_pass(corner_hz: float) -> Sensor:
+def low_pass(corner_hz: float) -> SensorTransfer:
     """First order, -3 dB at the corner: w / (s + w)."""
     w = 2 * pi * corner_hz
-    return Sensor(0.0, (complex(-w),), (complex(w),))
+    return SensorTransfer(0.0, (complex(-w),), (complex(w),))
 
 
-def mount(hz: float, zeta: float) -> Sensor:
+def loose_mount(hz: float, zeta: float) -> SensorTransfer:
     """A sensor on a mount with spring and damper: (2 zeta w s + w^2) / (s^2 + 2 zeta w s + w^2)."""
     w = 2 * pi * hz
     pole = w * complex(-zeta, sqrt(1 - zeta**2))
     residue = (2 * zeta * w * pole + w**2) / (2j * pole.imag)
-    return Sensor(0.0, (pole,), (residue,))
+    return SensorTransfer(0.0, (pole,), (residue,))

@@ -12,15 +12,15 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.basis import Basis
-from modallab_simulators.cantilever.beam import Stream, generator
-from modallab_simulators.cantilever.chain import Chain, Hum, RandomErrors, outputs_of
+from modallab_simulators.cantilever.beam import RandomStream, random_generator
+from modallab_simulators.cantilever.chain import Chain, MainsHum, RandomErrors, outputs_of
 from modallab_simulators.cantilever.drifting_structure import DriftingStructure
-from modallab_simulators.cantilever.excitation import Excitation, Floor
+from modallab_simulators.cantilever.excitation import FloorMotion, ForceTimeline
 from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, ContactPulse
 from modallab_simulators.cantilever.injected_effects import InjectedEffects
-from modallab_simulators.cantilever.loads import BLOCK, Drive, MovingStructure
-from modallab_simulators.cantilever.structure import Structure
-from modallab_simulators.cantilever.truth import Truth, oversampling
+from modallab_simulators.cantilever.loads import BLOCK, BeamLoad, MovingStructure
+from modallab_simulators.cantilever.structure import LinearStructure
+from modallab_simulators.cantilever.truth import BenchTruth, oversampling
 
 DRIFT_STEP = 1 / 200
 HELD_ZETA = 0.15
@@ -31,7 +31,7 @@ _HEADROOM = 0.8
 class BenchAtOneRate:
     """The bench as it stands for one test at one delivered rate."""
 
-    def __init__(self, truth: Truth, rig: Rig, test: Test, rate_hz: float) -> None:
+    def __init__(self, truth: BenchTruth, rig: Rig, test: Test, rate_hz: float) -> None:
         self._truth, self._rig = truth, rig
         self._test: Test = test
         self.rate_hz = rate_hz * (1 + truth.effects.altered.chain.clock)
@@ -46,7 +46,7 @@ class BenchAtOneRate:
         """Between internal samples."""
         return 1 / (self.rate_hz * self.oversample)
 
-    def age(self, bench_s: float, *, exactly: bool = False) -> MovingStructure:
+    def drift_to(self, bench_s: float, *, exactly: bool = False) -> MovingStructure:
         """The structure after some bench time: again at a start, and else where a drift has gone on a good deal."""
         if not self._truth.drift:
             return self.structure
@@ -56,7 +56,7 @@ class BenchAtOneRate:
         return self.structure
 
     @cached_property
-    def held(self) -> MovingStructure:
+    def with_hand_on_beam(self) -> MovingStructure:
         """The structure with a hand on the beam."""
         return self._built(replace(self._truth, zeta=(HELD_ZETA,)), self._progress)
 
@@ -65,17 +65,17 @@ class BenchAtOneRate:
         mains = self._truth.effects.altered.chain.hum
         if mains is None:
             return self.chain
-        phase = float(generator(self._truth.seed, Stream.HUM, start).uniform(0, 2 * np.pi))
-        return replace(self.chain, hum=Hum(*mains, phase))
+        phase = float(random_generator(self._truth.seed, RandomStream.HUM, start).uniform(0, 2 * np.pi))
+        return replace(self.chain, hum=MainsHum(*mains, phase))
 
-    def floor_of_start(self, start: int) -> Floor | None:
+    def floor_of_start(self, start: int) -> FloorMotion | None:
         """The floor's motion in this start."""
-        return self._floor and self._floor.starting(generator(self._truth.seed, Stream.FLOOR, start))
+        return self._floor and self._floor.starting(random_generator(self._truth.seed, RandomStream.FLOOR, start))
 
     @cached_property
-    def _floor(self) -> Floor | None:
+    def _floor(self) -> FloorMotion | None:
         rms = self._truth.effects.altered.excitation.floor_rms
-        return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
+        return FloorMotion(rms, self.step_s, random_generator(self._truth.seed, RandomStream.FLOOR)) if rms else None
 
     def overload_force_n(self, width_s: float, x_m: float) -> float:
         """Peak of a hit at which the most driven channel of a sound bench is at 0.8 of its full scale."""
@@ -87,7 +87,7 @@ class BenchAtOneRate:
         """Of a hit of 1 N, in V, (rows,)."""
         first, count = structure.times(0)
         unit = ContactPulse(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
-        seen, _ = structure.advance(structure.at_rest, [Drive(x_m, unit)])
+        seen, _ = structure.advance(structure.at_rest, [BeamLoad(x_m, unit)])
         return np.max(np.abs(seen), axis=1) * np.abs(chain.volts_per_si)
 
     @cached_property
@@ -100,13 +100,15 @@ class BenchAtOneRate:
     def _sound_chain(self) -> Chain:
         return Chain.of(self._rig, self._test, InjectedEffects().altered.chain)
 
-    def _built(self, truth: Truth, progress: float) -> MovingStructure:
+    def _built(self, truth: BenchTruth, progress: float) -> MovingStructure:
         changes = truth.effects.altered.structure
         elements = elements_of(truth.beam_at(progress), changes)
         # Nonlinear elements ask for more than a basis between others knows.
         along = truth is self._truth and not elements and not changes.drag
         basis = self._drifting.basis(progress) if along else self._basis(truth, progress)
-        linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
+        linear = LinearStructure(
+            basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample
+        )
         if not elements and not changes.drag:
             return linear
         # The compiled loop: a bench without local nonlinearities does not pay for the import.
@@ -114,7 +116,7 @@ class BenchAtOneRate:
 
         return FeedbackStructure(linear, elements, changes.drag, self.step_s)
 
-    def _basis(self, truth: Truth, progress: float) -> Basis:
+    def _basis(self, truth: BenchTruth, progress: float) -> Basis:
         return truth.basis(self.rate_hz, self._test, progress, self.oversample)
 
     def _clipped(self, chain: Chain) -> Chain:
@@ -147,7 +149,7 @@ class SampleStream:
         self,
         structure_at: StructureAt,
         chain: Chain,
-        excitation: Excitation,
+        excitation: ForceTimeline,
         rate_hz: float,
         rng: np.random.Generator,
         flaws: np.random.Generator,
@@ -163,7 +165,7 @@ class SampleStream:
         self._counts: NDArray[np.generic] | None = None
         self._passed = np.zeros((0, 0), dtype=np.int16)
 
-    def take(self, count: int) -> NDArray[np.generic]:
+    def next_samples(self, count: int) -> NDArray[np.generic]:
         """The next `count` samples, (channels, count)."""
         pieces: list[NDArray[np.generic]] = []
         end = self.position + count
@@ -186,7 +188,7 @@ class SampleStream:
                 self._counts = self._passed
         self.position = max(self.position, position)
 
-    def changed(self) -> None:
+    def excitation_changed(self) -> None:
         """The excitation from here on is another than it was."""
         self._counts = None
 
@@ -211,7 +213,7 @@ class SampleStream:
         self._counts = self._chain.convert(seen, self._luck, times)
         return self._counts
 
-    def _drives(self) -> list[Drive]:
+    def _drives(self) -> list[BeamLoad]:
         first, count = self._structure.times(self._block)
         self._excitation.forget(first * self._step_s)
-        return self._excitation.drives(first, count, self._step_s)
+        return self._excitation.loads_acting(first, count, self._step_s)

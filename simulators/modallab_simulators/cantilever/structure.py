@@ -18,18 +18,18 @@ import numpy as np
 from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.drifting_structure import relative_sign
-from modallab_simulators.cantilever.loads import BLOCK, DistributedLoad, Drive, Load, Output
+from modallab_simulators.cantilever.loads import BLOCK, BeamLoad, DistributedLoad, Load, SensorOutput
 from modallab_simulators.cantilever.recursion import (
     DELAY,
     REACH,
     LinearRecursion,
     difference_taps,
-    lowpass,
+    lowpass_taps,
     modal_taps,
     plain_feeds,
+    point_transfer,
     sensed_feeds,
     state_taps,
-    transfer,
 )
 
 _TINY = 1e-150
@@ -46,10 +46,10 @@ class _Filter:
     tail: Complex128
 
 
-class Structure:
+class LinearStructure:
     """Turns forces into what the converter sees, one stretch of BLOCK delivered samples after another."""
 
-    def __init__(self, basis: Basis, outputs: Sequence[Output], rate_hz: float, oversample: int) -> None:
+    def __init__(self, basis: Basis, outputs: Sequence[SensorOutput], rate_hz: float, oversample: int) -> None:
         self._oversample = oversample
         self._step_s = 1 / (rate_hz * oversample)
         self._basis = basis
@@ -98,7 +98,7 @@ class Structure:
         """The state of a beam that has never moved."""
         return np.zeros(len(self._poles), dtype=np.complex128)
 
-    def state_from(self, other: "Structure", state: Complex128) -> Complex128:
+    def state_from(self, other: "LinearStructure", state: Complex128) -> Complex128:
         """This structure's state where displacement and velocity of every mode are those of another's."""
         count = len(self._basis.poles)
         p, q, z = self._basis.poles, other._basis.poles, state[:count]
@@ -108,7 +108,7 @@ class Structure:
         taken[:count] = moved * self._same_way(other)
         return taken
 
-    def _same_way(self, other: "Structure") -> Real:
+    def _same_way(self, other: "LinearStructure") -> Real:
         """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
         return relative_sign(self._basis.shapes(at), other._basis.shapes(at))
@@ -118,12 +118,12 @@ class Structure:
         first = (block * BLOCK - self._span - 1) * self._oversample
         return first, (BLOCK + self._columns - 1) * self._oversample
 
-    def advance(self, state: Complex128, drives: Sequence[Drive]) -> tuple[Real, Complex128]:
+    def advance(self, state: Complex128, drives: Sequence[BeamLoad]) -> tuple[Real, Complex128]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         if not drives:
             if not state.any():
                 return np.zeros((len(self._outputs), BLOCK)), state
-            states, after = self._scan.free(state)
+            states, after = self._scan.undriven_states(state)
             return self._seen @ states.view(np.float64).T, _flushed(after)
         driving = np.zeros((BLOCK, len(state)), dtype=np.complex128)
         spectrum = np.zeros((len(self._outputs), self._fft // 2 + 1), dtype=np.complex128)
@@ -131,19 +131,19 @@ class Structure:
             into, kernel = self._input(drive)
             self._put(driving, drive.force_n, into)
             spectrum += self._filtered(drive.force_n, kernel)
-        states, after = self._scan.driven(state, driving)
+        states, after = self._scan.driven_states(state, driving)
         seen = np.fft.irfft(spectrum, self._fft, axis=1)[:, self._columns - 1 : self._columns - 1 + BLOCK]
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
-    def skip(self, state: Complex128, drives: Sequence[Drive]) -> Complex128:
+    def skip(self, state: Complex128, drives: Sequence[BeamLoad]) -> Complex128:
         """The state after a stretch of which nobody wants the outputs."""
         if not drives:
-            return _flushed(self._scan.free(state)[1]) if state.any() else state
+            return _flushed(self._scan.undriven_states(state)[1]) if state.any() else state
         driving = np.zeros((BLOCK, len(state)), dtype=np.complex128)
         for drive in drives:
             self._put(driving, drive.force_n, self._input(drive)[0])
-        return _flushed(self._scan.driven(state, driving)[1])
+        return _flushed(self._scan.driven_states(state, driving)[1])
 
     def _put(self, driving: Complex128, force: Real, into: Complex128) -> None:
         """Add what a force puts into the oscillators between delivered samples."""
@@ -165,7 +165,7 @@ class Structure:
         wait = self._wait * self._oversample
         filters: dict[float, _Filter] = {}
         for later_s in dict.fromkeys(o.later_s for o in self._outputs):
-            taps = lowpass(self._oversample, later_s / self._step_s, wait)
+            taps = lowpass_taps(self._oversample, later_s / self._step_s, wait)
             filters[later_s] = _Filter(taps, *modal_taps(self._poles, self._step_s, taps))
         return filters
 
@@ -178,13 +178,13 @@ class Structure:
         for row, output in enumerate(self._outputs):
             if output.kind != "motion":
                 continue
-            gains[row, : len(poles)] = psi[row] * poles**output.order / scale * output.sensor.at(poles)
+            gains[row, : len(poles)] = psi[row] * poles**output.order / scale * output.sensor.response_at(poles)
             for pole, residue in zip(output.sensor.poles, output.sensor.residues, strict=True):
                 gains[row, place] = (2j if pole.imag else 1j) * residue
                 place += 1
         return gains
 
-    def _input(self, drive: Drive) -> tuple[Complex128, Complex128]:
+    def _input(self, drive: BeamLoad) -> tuple[Complex128, Complex128]:
         key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen, drive.spread, drive.shaker)
         if key not in self._inputs:
             if len(self._inputs) > 64:
@@ -193,7 +193,7 @@ class Structure:
             self._inputs[key] = (into, self._kernel(self._impulse_taps(into, feeds)))
         return self._inputs[key]
 
-    def _coupling(self, drive: Drive) -> tuple[Complex128, Real]:
+    def _coupling(self, drive: BeamLoad) -> tuple[Complex128, Real]:
         """What a unit load puts into each oscillator, (poles,), and at once into each output, (outputs, 3)."""
         basis, at = self._basis, np.array([drive.x_m])
         if drive.spread is not None:
@@ -210,7 +210,7 @@ class Structure:
                 plain = plain_feeds(shares[row], basis.poles, rest[row], output.order, drive.load == "base")
                 feeds[row] = sensed_feeds(plain, output.sensor)
                 c = shares[row] * basis.poles**output.order
-                into.append(np.array([transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
+                into.append(np.array([point_transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
             elif output.shaker == drive.shaker:
                 felt = 1.0 if drive.seen else 0.0
                 feeds[row, 0] = felt if output.kind == "force" else drive.volts_per_n

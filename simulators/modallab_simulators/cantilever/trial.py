@@ -19,12 +19,12 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.plan import BLOCK_S, PAPER_LINES
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import SessionConditions, Settings
+from modallab_simulators.cantilever.address import BenchSettings, SessionConditions
 from modallab_simulators.cantilever.beam import draw_damping
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected_effects import effect_in_truth, inject_effects
-from modallab_simulators.cantilever.truth import Truth
+from modallab_simulators.cantilever.truth import BenchTruth
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
 """Where the operator strikes six times each, and how hard, in N: softer where the beam gives way."""
@@ -73,7 +73,7 @@ def make_trial(
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, effects, tolerances=tolerances, session=session)
+    operator = SessionOperator(rig, seed, effects, tolerances=tolerances, session=session)
     campaign = Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}")
     return campaign, _truth(operator.truth, effects)
 
@@ -85,7 +85,7 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
     """
     forces = [e for e in effects if part_of(e.effect).seen_by_force]
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, forces, 1 + inject_effects(effects, rig).altered.chain.clock)
+    operator = SessionOperator(rig, seed, forces, 1 + inject_effects(effects, rig).altered.chain.clock)
     return Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 
@@ -102,7 +102,7 @@ def _timed(effect: Effect) -> Effect:
     return effect.model_copy(update={"parameters": {**effect.parameters, lasts: LAST_ORDER * RECORD_S}})
 
 
-class Operator:
+class SessionOperator:
     """Takes the records of one session at the bench, one after another.
 
     Args:
@@ -129,7 +129,7 @@ class Operator:
         self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._effects = inject_effects(effects, rig).effects
         played = tuple(_timed(e) for e in effects if part_of(e.effect).on_campaign is None)
-        self._settings = Settings(
+        self._settings = BenchSettings(
             seed,
             bad_hits=0.0,
             k_root=inf,
@@ -179,7 +179,7 @@ class Operator:
                 block = self._block(f"sine_{level}_{f:07.3f}", "sine", delivery, samples, self._rig.shaker_point, first)
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
-    def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, DeliveredSampling]:
+    def _bench(self, test: Test, settings: BenchSettings, number: int) -> tuple[CantileverBench, DeliveredSampling]:
         session = replace(self._session, first_start=self._first_start + number * _REPEATS)
         bench = CantileverBench("sim://cantilever", self._rig, settings, session)
         delivery = bench.configure(AcquisitionRequest(test, RATES_HZ[test]))
@@ -225,7 +225,7 @@ class Operator:
         return 1 + abs(complex(inertance)) * beam.total_mass_kg * _MASS_SHARE
 
 
-def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:
+def _truth(truth: BenchTruth, effects: Sequence[Effect]) -> dict[str, object]:
     return {
         "seed": truth.seed,
         "effects": [effect_in_truth(e) for e in inject_effects(effects, truth.rig).effects],

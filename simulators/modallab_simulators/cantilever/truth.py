@@ -13,19 +13,19 @@ from numpy.typing import NDArray
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
+from modallab_simulators.cantilever.address import EVERYDAY, BenchSettings, SessionConditions
 from modallab_simulators.cantilever.altered_bench import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
-from modallab_simulators.cantilever.assembled import beside, modes_of
+from modallab_simulators.cantilever.assembled import modes_of, with_side_modes
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, ModalBasis, TruncatedBasis
 from modallab_simulators.cantilever.beam import (
     CantileverBeam,
-    Stream,
+    RandomStream,
     TrueBeam,
     draw_beam,
     draw_clock,
     draw_damping,
-    generator,
+    random_generator,
 )
 from modallab_simulators.cantilever.injected_effects import InjectedEffects, inject_effects
 from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
@@ -52,7 +52,7 @@ def as_built(altered: AlteredBench, rig: Rig, tolerance: Tolerance, seed: int, l
         seed: draws it all.
         lasts_s: bench time over which the stiffness drifts, unless an effect says it; None for the usual.
     """
-    drawn = _Drawn(generator(seed, Stream.TOLERANCES), tolerance)
+    drawn = _Drawn(random_generator(seed, RandomStream.TOLERANCES), tolerance)
     return AlteredBench(
         _structure(altered.structure, rig, drawn, lasts_s),
         _chain(altered.chain, rig, drawn),
@@ -136,7 +136,7 @@ _REACH = 0.4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Truth:
+class BenchTruth:
     """What the seed has drawn for this bench, and what was put into it.
 
     Attributes:
@@ -181,7 +181,7 @@ class Truth:
             basis = ModalBasis(modes, modes.omega(count), self._damping(modes, count))
         basis = TruncatedBasis(basis, self.few) if self.few else basis
         assert self.rig.beam is not None
-        return beside(basis, self.true, changes, self.rig.beam.width_m, reach)
+        return with_side_modes(basis, self.true, changes, self.rig.beam.width_m, reach)
 
     def _damping(self, modes: Modes, count: int) -> NDArray[np.float64]:
         """Damping ratios of the modes: the beam's own keep theirs where an absorber's stands among them, (count,)."""
@@ -251,7 +251,7 @@ def oversampling(rate_hz: float) -> int:
     return max(_OVERSAMPLE, ceil(_INTERNAL_HZ / rate_hz))
 
 
-def draw_truth(settings: Settings, rig: Rig, circumstances: SessionConditions = EVERYDAY) -> Truth:
+def draw_truth(settings: BenchSettings, rig: Rig, circumstances: SessionConditions = EVERYDAY) -> BenchTruth:
     """Draw the truth of a rig's bench.
 
     Raises:
@@ -276,4 +276,4 @@ def draw_truth(settings: Settings, rig: Rig, circumstances: SessionConditions = 
         stated = Tolerance.usual() if settings.tolerances == "usual" else rig.tolerance
         built = as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)
         effects = replace(effects, altered=built)
-    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, circumstances.modes)
+    return BenchTruth(true, clock, settings.zeta, settings.seed, rig, effects, circumstances.modes)

@@ -62,7 +62,7 @@ def arm(system: "SimulatedSystem", line: str) -> None:
     Raises:
         ValueError: the simulated devices cannot have it.
     """
-    kind, words = faults.parse(line, faults.DAQ_FAULTS)
+    kind, words = faults.parse_fault(line, faults.DAQ_FAULTS)
     arguments: dict[str, Any] = {
         faults.SAMPLES_LOST: ("ReadAnalogF64", status.NO_LONGER_AVAILABLE),
         faults.TIME_OUT: ("ReadAnalogF64", 0),

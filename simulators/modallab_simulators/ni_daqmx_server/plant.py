@@ -13,7 +13,7 @@ from modallab.bench.protocol import AcquisitionRequest
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Converter, Rig
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import parse
+from modallab_simulators.cantilever.address import parse_address
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.lines import Floats, OutputLine
@@ -81,7 +81,7 @@ class CantileverPlant:
         noise = (rig.converter or Converter()).noise_rms_v
         converter = Converter(bits=bits, range_v=range_v, noise_rms_v=noise)
         self._bench = CantileverBench(
-            url, rig.model_copy(update={"channels": channels, "converter": converter}), parse(url)
+            url, rig.model_copy(update={"channels": channels, "converter": converter}), parse_address(url)
         )
         self._bits = bits
         self._test: Test = "impact"

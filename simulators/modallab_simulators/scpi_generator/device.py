@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
-from modallab_simulators.scpi_generator.settings import WORDS, Settings, SineBurst, SineDialect
+from modallab_simulators.scpi_generator.settings import WORDS, GeneratorSettings, SineBurst, SineDialect
 
 LATENCY_S = 0.002
 
@@ -48,7 +48,7 @@ class ScpiGenerator:
         self.clip_vpp, self.gain, self.deaf = float("inf"), 1.0, ""
         self._line, self._clock, self._changed, self._ppm = line, clock, changed, ppm
         self._lock = lock if lock is not None else threading.RLock()
-        self._settings = Settings()
+        self._settings = GeneratorSettings()
         self._errors: deque[str] = deque()
         self._burst: SineBurst | None = None
 
@@ -92,7 +92,7 @@ class ScpiGenerator:
         self._errors.clear()
         self.deaf = "always" if self.deaf == "always" else ""
         if everything and not self.deaf:
-            self._settings, self._burst = Settings(), None
+            self._settings, self._burst = GeneratorSettings(), None
             self._put()
 
     def _headers(self, text: str) -> str | None:

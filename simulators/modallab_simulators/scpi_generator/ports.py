@@ -35,7 +35,7 @@ class Link:
         Raises:
             ValueError: a generator cannot have it.
         """
-        kind, words = faults.parse(line, faults.GENERATOR_FAULTS)
+        kind, words = faults.parse_fault(line, faults.GENERATOR_FAULTS)
         if kind == faults.CLIPPED:
             self._device.clip_vpp = float(words[0])
         elif kind == faults.COERCED:

@@ -40,7 +40,7 @@ class SineBurst:
 
 
 @dataclass(slots=True)
-class Settings:
+class GeneratorSettings:
     """As after switching on. Amplitude and offset are kept as at the open output: the load only changes what is shown.
 
     Attributes:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.blind.outcome import BlindOutcome, EffectOutcome, OutcomeFigure, ShrinkageOutcome
-from modallab.core.digits import part_of, percent_text
+from modallab.core.digits import percent_text, share_text
 from modallab.reporting.gap_candidates import captioned_picture, page_section, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 
@@ -45,7 +45,7 @@ def _effects_table(effects: Sequence[EffectOutcome]) -> Markup:
             str(e.right),
             "" if e.stage is None else str(e.stage),
             "" if e.parameter is None else percent_text(e.parameter),
-            "" if e.closed is None else part_of(e.closed),
+            "" if e.closed is None else share_text(e.closed),
             _number(e.shrink_error),
         ]
         for e in effects

@@ -26,7 +26,7 @@ from modallab.core.progress import part_of_progress, report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_on_held_out, gap_outside_revisions, gap_without_effects
-from modallab.gap.report.measure import BARE, closed_share
+from modallab.gap.report.measure import BARE, share_of_gap_closed
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.twin.effects import model_of
 
@@ -209,7 +209,7 @@ def diagnose_later_campaign(later: Path, diagnosis: Diagnosis) -> RepeatedCampai
     campaign = read_campaign(later)
     revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))
     before, after = _gaps_before_and_after(campaign, revised, diagnosis)
-    share = closed_share(before, after) if before**2 - 1 > BARE else None
+    share = share_of_gap_closed(before, after) if before**2 - 1 > BARE else None
     return RepeatedCampaign(share, diagnose(revised).verdict == "no_gap")
 
 

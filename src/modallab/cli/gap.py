@@ -32,7 +32,7 @@ from modallab.gap.words.verdicts import gap_in_percent, sentence_by_model, sente
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.reporting.waiting_line import waiting_line
-from modallab.service.campaigns.run_start import require_reasonable
+from modallab.service.campaigns.run_start import require_sensible_numbers
 
 _ANY_BENCH = BenchInfo(url="", devices=(), can_drive=True, real_time=False, facts={})
 """No bench is asked: what the rig itself forbids is all that can be said."""
@@ -173,7 +173,7 @@ def _require_plans(rig: Rig, plans: Sequence[Plan]) -> None:
         PlanError: what is wrong.
     """
     for plan in plans:
-        require_reasonable(plan, rig)
+        require_sensible_numbers(plan, rig)
         for part in split_setups(plan) if isinstance(plan, ImpactPlan) else (plan,):
             stands = rig_of(rig, part.setups[0]) if isinstance(part, ImpactPlan) and part.setups else rig
             require_possible(part, stands, _ANY_BENCH)

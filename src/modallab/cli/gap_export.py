@@ -5,7 +5,7 @@ import argparse
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import require_option
-from modallab.core.digits import part_of, three_digits
+from modallab.core.digits import share_text, three_digits
 from modallab.core.errors import PlanError
 from modallab.core.progress import report_progress_to
 from modallab.core.units import Test
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def form_in_words(found: FormError) -> str:
     """How far the form is from the bench, in one sentence."""
-    share = "" if found.closed is None else f", {part_of(found.closed)} closed"
+    share = "" if found.closed is None else f", {share_text(found.closed)} closed"
     return (
         f"In this form the gap is {three_digits(found.before)} noise units before and "
         f"{three_digits(found.after)} after{share}; "

@@ -15,7 +15,14 @@ from modallab.bench.protocol import AcquisitionRequest, Bench, DeliveredSampling
 from modallab.cli.backup import require_data_folder
 from modallab.commissioning import calibrate
 from modallab.commissioning.calibrate import measure_mass_ratio
-from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock, check_idle, check_polarity, settle
+from modallab.commissioning.rig_check import (
+    CLOCK_BURST_S,
+    CheckResult,
+    check_clock,
+    check_idle,
+    check_polarity,
+    wait_for_sensors,
+)
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError, StorageError
 from modallab.core.hardware import judge_mass_ratios
@@ -84,7 +91,7 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     return 1 if bad else 0
 
 
-def _table(findings: list[Finding]) -> Table:
+def _table(findings: list[CheckResult]) -> Table:
     table = Table("channel", "what", "found", "verdict")
     for finding in findings:
         table.add_row(finding.channel, finding.what, finding.value, finding.verdict)
@@ -184,7 +191,7 @@ def _measure_calibration(
 def _read_volts(bench: Bench, rig: Rig, delivery: DeliveredSampling, seconds: float) -> NDArray[np.float64]:
     bench.start()
     try:
-        settle(bench, rig, delivery)
+        wait_for_sensors(bench, rig, delivery)
         chunk = bench.read(max(1, round(seconds * delivery.rate_hz)), seconds + 5.0)
     finally:
         bench.stop()

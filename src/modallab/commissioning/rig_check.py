@@ -25,7 +25,7 @@ TIMEOUT_S = 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class CheckResult:
     """One verdict.
 
     Attributes:
@@ -69,13 +69,13 @@ TAP_PATIENCE_S = 60.0
 CONTACT_S = 0.01
 
 
-def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
+def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[CheckResult]:
     """Noise, offset and overload of every channel, while nothing moves; and what the sensors say of themselves."""
     findings = check_sensors(bench, rig)
     delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     bench.start()
     try:
-        findings += settle(bench, rig, delivery)[0]
+        findings += wait_for_sensors(bench, rig, delivery)[0]
         samples, over = _read(bench, delivery, seconds)
     finally:
         bench.stop()
@@ -85,7 +85,7 @@ def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
     return findings
 
 
-def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[Finding]:
+def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[CheckResult]:
     """A tap at every sensor's own point: force and acceleration must go the same way while the hammer touches.
 
     Args:
@@ -96,7 +96,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     delivery = bench.configure(AcquisitionRequest("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
-    settle(bench, rig, delivery)
+    wait_for_sensors(bench, rig, delivery)
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
         return [_check_by_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
@@ -104,14 +104,14 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
         bench.stop()
 
 
-def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
+def check_clock(bench: Bench, rig: Rig, volts: float) -> list[CheckResult]:
     """A small burst, whose frequency on the converter's clock is compared with what the generator was set to."""
     if not bench.info.can_drive:
-        return [Finding("generator", "clock", "this bench has no output", "look")]
+        return [CheckResult("generator", "clock", "this bench has no output", "look")]
     delivery = bench.configure(AcquisitionRequest("sine", RATE_HZ))
     bench.start()
     try:
-        read = settle(bench, rig, delivery)[1]
+        read = wait_for_sensors(bench, rig, delivery)[1]
         begin = bench.play(Burst(CLOCK_HZ, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
         lead, _ = read_samples(bench, delivery.rate_hz, count)
@@ -124,14 +124,14 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
     before = lead[force, : max(16, begin // 2)].std()
     row = (held[force] * delivery.scale[force])[None, :]
     if held[force].std() < 3 * before:
-        return [Finding("generator", "clock", f"{volts:g} V give no measurable force", "bad")]
+        return [CheckResult("generator", "clock", f"{volts:g} V give no measurable force", "bad")]
     found = fit_frequency(row, delivery.rate_hz, CLOCK_HZ).frequency_hz
     ppm = 1e6 * (found / CLOCK_HZ - 1)
     verdict: Verdict = "good" if abs(ppm) <= CLOCK_PPM else "bad"
-    return [Finding("generator", "clock", f"{ppm:+.1f} ppm off the converter's clock", verdict)]
+    return [CheckResult("generator", "clock", f"{ppm:+.1f} ppm off the converter's clock", verdict)]
 
 
-def settle(bench: Bench, rig: Rig, delivery: DeliveredSampling) -> tuple[list[Finding], int]:
+def wait_for_sensors(bench: Bench, rig: Rig, delivery: DeliveredSampling) -> tuple[list[CheckResult], int]:
     """Read on until fed sensors have settled; returns what was found, and how many samples were read."""
     fed, read = supplied_channels(bench, rig), 0
 
@@ -143,7 +143,9 @@ def settle(bench: Bench, rig: Rig, delivery: DeliveredSampling) -> tuple[list[Fi
     wait = wait_until_settled(pull, fed, delivery.rate_hz)
     settled, moving = f"settled after {wait.seconds:g} s", f"the bias still moves after {wait.seconds:g} s"
     findings = [
-        Finding(name, "supply", moving, "bad") if name in wait.unsettled else Finding(name, "supply", settled, "good")
+        CheckResult(name, "supply", moving, "bad")
+        if name in wait.unsettled
+        else CheckResult(name, "supply", settled, "good")
         for name in fed.values()
     ]
     return findings, read
@@ -155,7 +157,7 @@ def _read(bench: Bench, delivery: DeliveredSampling, seconds: float) -> tuple[ND
     return read_seconds(bench, delivery.rate_hz, seconds)
 
 
-def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
+def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[CheckResult]:
     noise, offset = float(volts.std()), float(volts.mean())
     believed = rig.converter.noise_rms_v if rig.converter else 0.0
     range_v = channel.range_v or (rig.converter.range_v if rig.converter else np.inf)
@@ -167,24 +169,26 @@ def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over:
     level = f"{1e3 * noise:.4g} mV rms" + (" (a dead channel)" if noise == 0 else f", {1e3 * believed:.4g} believed")
     offset_verdict: Verdict = "good" if abs(offset) <= OFFSET_PART * range_v else "look"
     return [
-        Finding(channel.name, "noise", level, noise_verdict),
-        Finding(channel.name, "offset", f"{1e3 * offset:+.4g} mV of {range_v:g} V", offset_verdict),
-        Finding(channel.name, "overload", "beyond the range at rest" if over else "none", "bad" if over else "good"),
+        CheckResult(channel.name, "noise", level, noise_verdict),
+        CheckResult(channel.name, "offset", f"{1e3 * offset:+.4g} mV of {range_v:g} V", offset_verdict),
+        CheckResult(
+            channel.name, "overload", "beyond the range at rest" if over else "none", "bad" if over else "good"
+        ),
     ]
 
 
-def check_sensors(bench: Bench, rig: Rig) -> list[Finding]:
+def check_sensors(bench: Bench, rig: Rig) -> list[CheckResult]:
     """What certificates and the sensors themselves say, against the rig file; for each that says something."""
     today = datetime.now(UTC).date()
     remarks = [remark for test in _tests(rig) for remark in sensor_remarks(rig, test, today, bench)]
     sensed = bench.read_sensitivities() if isinstance(bench, ReadsSensitivities) else {}
     findings = [
-        Finding(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
+        CheckResult(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
         for remark in dict.fromkeys(remarks)
     ]
     named = {remark.channel for remark in remarks}
     good = [c for c in rig.channels if c.name not in named and (c.certificate is not None or c.name in sensed)]
-    return [*findings, *(Finding(c.name, "sensor", _known_of(c, sensed), "good") for c in good)]
+    return [*findings, *(CheckResult(c.name, "sensor", _known_of(c, sensed), "good") for c in good)]
 
 
 def _tests(rig: Rig) -> list[Test]:
@@ -202,7 +206,7 @@ def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
 
 def _check_by_tap(
     bench: Bench, delivery: DeliveredSampling, conversion: Conversion, channel: Channel, ask: Callable[[int], None]
-) -> Finding:
+) -> CheckResult:
     assert channel.point is not None
     ask(channel.point)
     bench.prompt_hit(channel.point)
@@ -222,7 +226,7 @@ def _check_by_tap(
     )
 
 
-def _polarity(channel: Channel, values: NDArray[np.float64], place: int, force: int, rate_hz: float) -> Finding:
+def _polarity(channel: Channel, values: NDArray[np.float64], place: int, force: int, rate_hz: float) -> CheckResult:
     # At the point that is struck the beam answers at first as a mass does: with the force, as long as it acts.
     touch = slice(max(0, place - round(CONTACT_S * rate_hz / 2)), place + round(CONTACT_S * rate_hz))
     push = values[force, touch]
@@ -230,4 +234,4 @@ def _polarity(channel: Channel, values: NDArray[np.float64], place: int, force: 
     together = float(push @ answer / np.sqrt((push @ push) * (answer @ answer)))
     # The conversion has turned what the rig file says is mounted against the drive: all must go with the force.
     verdict: Verdict = "good" if together > 0.2 else ("bad" if together < -0.2 else "look")
-    return Finding(channel.name, "polarity", f"with the force by {together:+.2f} at point {channel.point}", verdict)
+    return CheckResult(channel.name, "polarity", f"with the force by {together:+.2f} at point {channel.point}", verdict)

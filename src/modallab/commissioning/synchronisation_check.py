@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.bench.capabilities import SynchronisedBench
 from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
-from modallab.commissioning.rig_check import Finding, Verdict, read_seconds
+from modallab.commissioning.rig_check import CheckResult, Verdict, read_seconds
 from modallab.core.errors import PlanError
 from modallab.core.rig import Rig
 
@@ -47,7 +47,7 @@ class ChannelDelay:
         return 360 * AT_HZ * value_s
 
 
-def check_synchronisation(bench: Bench) -> list[Finding]:
+def check_synchronisation(bench: Bench) -> list[CheckResult]:
     """What the devices say: how they are synchronised, whether their clocks are locked, how far they have counted."""
     if not isinstance(bench, SynchronisedBench):
         return []
@@ -64,13 +64,13 @@ def check_synchronisation(bench: Bench) -> list[Finding]:
     locked = f"not locked: {', '.join(state.unlocked)}" if state.unlocked else "all are locked, or do not report"
     counts = ", ".join(f"{device} {count}" for device, count in state.acquired.items())
     return [
-        Finding("devices", "synchronisation", state.method, "good"),
-        Finding("devices", "reference clock", locked, "bad" if state.unlocked else "good"),
-        Finding("devices", "sample counts", counts, "good" if spread <= COUNT_S else "bad"),
+        CheckResult("devices", "synchronisation", state.method, "good"),
+        CheckResult("devices", "reference clock", locked, "bad" if state.unlocked else "good"),
+        CheckResult("devices", "sample counts", counts, "good" if spread <= COUNT_S else "bad"),
     ]
 
 
-def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: float | None = None) -> Finding:
+def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: float | None = None) -> CheckResult:
     """The phase between two channels that read one signal, stated at 10 kHz.
 
     Args:
@@ -96,11 +96,11 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
     between = f"{names[1]} after {names[0]}"
     delay = delay_between(both[0], both[1], delivery.rate_hz)
     if delay is None:
-        return Finding(between, "phase", "no signal common to both", "look")
+        return CheckResult(between, "phase", "no signal common to both", "look")
     phase, sigma = delay.degrees(delay.seconds), delay.degrees(delay.sigma_s)
     value = f"{phase:+.3f} +- {sigma:.2g} degrees at {AT_HZ:g} Hz ({1e9 * delay.seconds:+.3g} ns)"
     sure: Verdict = "bad" if abs(phase) - 2 * sigma > LIMIT_DEGREES else "look"
-    return Finding(between, "phase", value, "good" if abs(phase) + 2 * sigma <= LIMIT_DEGREES else sure)
+    return CheckResult(between, "phase", value, "good" if abs(phase) + 2 * sigma <= LIMIT_DEGREES else sure)
 
 
 def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz: float) -> ChannelDelay | None:

@@ -109,7 +109,7 @@ def percent_text(share: float | None, digits: int = 2) -> str:
     return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} %"
 
 
-def part_of(share: float) -> str:
+def share_text(share: float) -> str:
     """A part of a whole, to a tenth of a percent: `99.7 %`."""
     value = round(100 * share, 1)
     return f"{_fixed_places(value if value else 0.0, 1)} %"
@@ -191,7 +191,7 @@ def _fixed_places(value: float, places: int) -> str:
     return f"{value:.{places}f}".replace("-", "−")
 
 
-def with_hard_blanks(text: str) -> str:
+def with_nonbreaking_spaces(text: str) -> str:
     """The text with hard blanks between numbers and their units, so that no line breaks there."""
     return _UNIT.sub("\u00a0", text)
 

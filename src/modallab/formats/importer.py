@@ -17,7 +17,7 @@ from modallab.formats.draft import DraftChannel, select_channels, with_named_poi
 from modallab.formats.format import sniff
 from modallab.formats.joined_frfs import joined_frfs
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
-from modallab.signals.faults.all_faults import faults_of
+from modallab.signals.faults.all_faults import find_faults
 
 _VOLTS = ("V", "mV")
 
@@ -236,5 +236,5 @@ def _notes(part: Campaign) -> list[str]:
             notes.append(f"{block.name}: taken as of 1 Hz; if its file only counts samples, give the rate with --rate")
         for first, second in identical_channels(block.samples, block.channels):
             notes.append(f"{block.name}: channels {first} and {second} agree in every bit; is one a copy?")
-        notes += [f"{block.name}: {fault}" for fault in faults_of(block, part.rig)]
+        notes += [f"{block.name}: {fault}" for fault in find_faults(block, part.rig)]
     return notes

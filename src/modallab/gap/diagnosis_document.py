@@ -37,8 +37,8 @@ from modallab.gap.report.initial_gap import squares_as_recorded
 from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import (
     band_of,
-    closed_share,
     nearest_mode,
+    share_of_gap_closed,
     shares_by_frequency,
     shrinkage_with_interval,
     squared_residuals,
@@ -276,5 +276,5 @@ def _strongest_rival(choice: Choice, clean: Reduced, before: float) -> dict[str,
         if before**2 - 1 > 0.02 and fit.problem.candidates:
             after = squared_residuals(twin_of(fit, clean), clean).gap
             # What leaves more than no effect closes nothing.
-            return {"+".join(c.effect for c in fit.problem.candidates): max(closed_share(before, after), 0.0)}
+            return {"+".join(c.effect for c in fit.problem.candidates): max(share_of_gap_closed(before, after), 0.0)}
     return {}

@@ -17,7 +17,7 @@ Mark = tuple[int, float]
 """Fence and beat of a job that is held: one of them changes with every sign of its holder."""
 
 
-class MarkWatch:
+class LeaseMarkTimer:
     """Times how long each job's mark has stayed the same.
 
     No clock on the wall is asked, neither the machine's nor the database's: a clock that is set ends no lease and
@@ -71,7 +71,7 @@ class JobLeases:
         self._engine = engine
         self._owner = owner
         self.lease_s = lease_s
-        self._watch = MarkWatch(lease_s)
+        self._watch = LeaseMarkTimer(lease_s)
 
     def has_open_job(self) -> bool:
         """Whether a job waits or its owner is gone; takes no lock, and counts time without a sign as `take` does."""

@@ -15,7 +15,7 @@ from modallab.modification.structure import Structure
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Skeleton:
+class Wireframe:
     """Places of a structure, and what joins them.
 
     Attributes:
@@ -31,7 +31,7 @@ class Skeleton:
     surfaces: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(cls, rig: Rig) -> "Skeleton":
+    def of(cls, rig: Rig) -> "Wireframe":
         """Of a rig; without lines, points are joined in the order of x, from a clamp on."""
         places = [(p.x_m, p.y_m, p.z_m) for p in rig.points]
         points = [p.id for p in rig.points]
@@ -44,7 +44,7 @@ class Skeleton:
         surfaces = tuple(tuple(order[n] for n in face) for face in rig.surfaces)
         return cls(tuple(points), np.array(places, np.float64).reshape(-1, 3), lines, surfaces)
 
-    def moved(self, motion: Complex) -> Complex:
+    def displaced(self, motion: Complex) -> Complex:
         """(places, 3) of the motion (points of the rig, 3)."""
         rest = np.zeros((len(self.points) - len(motion), 3), np.complex128)
         return np.concatenate([motion, rest])
@@ -67,8 +67,8 @@ def motion_without_scale(model: ModalModel, rig: Rig) -> Complex:
 
 
 def _spread_to_points(rig: Rig, freedoms: tuple[tuple[int, str], ...], shapes: Complex) -> Complex:
-    skeleton = Skeleton.of(rig)
-    found = [skeleton.moved(motion_at_points(rig, freedoms, turn_to_real(row))) for row in shapes]
+    skeleton = Wireframe.of(rig)
+    found = [skeleton.displaced(motion_at_points(rig, freedoms, turn_to_real(row))) for row in shapes]
     motion = np.array(found, np.complex128).reshape(len(shapes), len(skeleton.points), 3)
     most = np.abs(motion).max(axis=(1, 2), initial=0.0, keepdims=True)
     return np.asarray(motion / np.where(most > 0, most, 1.0))
@@ -102,7 +102,7 @@ class Mesh:
     places_m: Real
     motion: Mapping[str, Real]
 
-    def about(self, points_m: Real) -> "Mesh":
+    def near_points(self, points_m: Real) -> "Mesh":
         """The same at the nodes that tell most about the surroundings of the points (points, 3); at most so many.
 
         Those next to the points come first, then one after the other the one farthest from all that were taken.

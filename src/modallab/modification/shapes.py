@@ -69,7 +69,7 @@ class SpatialInterpolation:
         each = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
         return np.einsum("lpk,lc->cpk", each, self.probability)
 
-    def spread(self, places_m: Real) -> Real:
+    def uncertainty(self, places_m: Real) -> Real:
         """(places, columns) deviation of the values there: within each length, and from one length to another."""
         terms = self._terms(places_m)
         explained = terms @ self.whitening.transpose(0, 2, 1)
@@ -78,7 +78,7 @@ class SpatialInterpolation:
         apart = np.abs(each - np.einsum("lpc,lc->pc", each, self.probability)) ** 2
         return np.sqrt(np.einsum("lpc,lc->pc", left[:, :, None] * self.variance[:, None] + apart, self.probability))
 
-    def turned(self, factors: Complex) -> "SpatialInterpolation":
+    def rotated_phase(self, factors: Complex) -> "SpatialInterpolation":
         """With each column times a factor (columns,) of size 1."""
         return replace(self, weights=self.weights * factors)
 
@@ -131,11 +131,11 @@ class FreedomShapes:
         same = {axis: np.array([f[1] == axis for f in freedoms]) for _, axis in freedoms}
         if mesh is None or not set(same) <= set(mesh.motion):
             return cls(*known, {a: SpatialInterpolation.of(at_m[s], both[:, s].T) for a, s in same.items()})
-        near = mesh.about(at_m)
+        near = mesh.near_points(at_m)
         between = {a: SpatialInterpolation.of(near.places_m, near.motion[a]) for a in same}
         # A shape's sign is free: that of the mesh follows the one of the modal constants.
         together = sum(np.sum(np.conj(between[a].at(at_m[s])) * both[:, s].T, axis=0) for a, s in same.items())
-        turned = {a: b.turned(_unit_sizes(np.asarray(together))) for a, b in between.items()}
+        turned = {a: b.rotated_phase(_unit_sizes(np.asarray(together))) for a, b in between.items()}
         reach = median_spacing(at_m)
         shown = {f: surface_directions(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
         return cls(*known, turned, {f: t for f, t in shown.items() if t is not None})
@@ -160,20 +160,20 @@ class FreedomShapes:
                 found[n] = axis * np.sign(axis[np.argmax(np.abs(axis))])
         return found
 
-    def moved(self, freedom: Freedom, offsets_m: Real) -> Complex:
+    def shapes_beside(self, freedom: Freedom, offsets_m: Real) -> Complex:
         """(offsets, modes) the shapes at places (offsets, 3) away from a freedom, motion along the same axis."""
         return np.asarray(self.between[freedom[1]].at(self.at_m[self.index(freedom)] + offsets_m), np.complex128)
 
-    def uncertain(self, freedom: Freedom, offsets_m: Real) -> Real:
+    def uncertainty_beside(self, freedom: Freedom, offsets_m: Real) -> Real:
         """(offsets, modes) by how much `moved` may be off there, one deviation; nothing at a point."""
-        return self.between[freedom[1]].spread(self.at_m[self.index(freedom)] + offsets_m)
+        return self.between[freedom[1]].uncertainty(self.at_m[self.index(freedom)] + offsets_m)
 
     def slopes(self, freedom: Freedom) -> Complex:
         """(2, modes) derivatives along the tangents, 1/m."""
         tangents = self.tangents(freedom)
         # Of one place alone no tangent is known, and any step shows nothing.
         step = 1e-3 * (float(np.ptp(self.at_m, axis=0).max()) or 1.0)
-        both = self.moved(freedom, np.concatenate([step * tangents, -step * tangents]))
+        both = self.shapes_beside(freedom, np.concatenate([step * tangents, -step * tangents]))
         return (both[:2] - both[2:]) / (2 * step)
 
 

@@ -9,7 +9,7 @@ from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.notebook.arguments import band_of, frequencies_of
-from modallab.notebook.measured_frf import MeasuredFrf, phase_rises
+from modallab.notebook.measured_frf import MeasuredFrf, phase_increases
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
 from modallab.pipelines.response_only import identify_chosen
@@ -71,7 +71,7 @@ def identify(
             result = identify_chosen(campaign, options, test, response_only=response_only, method=response_method)
             return Model(campaign, result)
     except IdentificationError as error:
-        if any(phase_rises(frf) for frf in campaign.frfs):
+        if any(phase_increases(frf) for frf in campaign.frfs):
             raise IdentificationError(
                 f"{error.what}; and the phase of H rises through its peaks, which is wrong for exp(+i omega t)",
                 remedy="give H.conj()",

@@ -112,7 +112,7 @@ def frf(
     return MeasuredFrf(Frf(lines, values, quantity, names, to, known), rig_without_places(names, to, of, quantity))
 
 
-def phase_rises(frf: Frf) -> bool:
+def phase_increases(frf: Frf) -> bool:
     """Whether the phase rises through the largest peak of most FRFs, as it does where H is that of exp(-i omega t).
 
     The FRF of a mode that decays runs through its circle clockwise: D. J. Ewins, Modal Testing (2000), section 2.7.

@@ -16,7 +16,7 @@ from modallab.twin.bench import Twin
 from modallab.twin.modes import TwinModes, solve_modes
 
 
-class StateSpace(NamedTuple):
+class TwinStateSpace(NamedTuple):
     """x' = A x + B f, y = C x + D f, with the force f in N.
 
     Attributes:
@@ -71,7 +71,7 @@ class DiagnosedTwin:
         values += self.twin.residual_compliance * modes.remainder(x, self.rig.x_of(point))[:, None]
         return frf(hz, values * s ** DERIVATIVES[quantity], inputs=point, outputs=self.points, quantity=quantity)
 
-    def state_space(self, drive: int | None = None, quantity: FrfQuantity = "inertance") -> StateSpace:
+    def state_space(self, drive: int | None = None, quantity: FrfQuantity = "inertance") -> TwinStateSpace:
         """Matrices from a force at one point in N to the motion of every sensor, continuous in time.
 
         The compliance of higher modes has no state, and is left out.
@@ -90,7 +90,7 @@ class DiagnosedTwin:
         u, v = np.arange(n), np.arange(n, 2 * n)
         a[u, u] = a[v, v] = modes.poles.real
         a[u, v], a[v, u] = -modes.poles.imag, modes.poles.imag
-        return StateSpace(
+        return TwinStateSpace(
             a, np.concatenate([b.real, b.imag])[:, None], 2 * np.concatenate([c.real, -c.imag], axis=1), d[:, None]
         )
 

@@ -34,7 +34,7 @@ from modallab.pipelines.levels import (
     group_by_strength,
     is_linear,
     model_of_weakest_level,
-    softest_hits,
+    weakest_hits,
 )
 from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.drive_kind import check_kind
@@ -178,7 +178,7 @@ def _identify_impact(campaign: Campaign, blocks: tuple[Block, ...], options: Ide
 
     levels = [level(name, parts) for name, parts in group_by_strength(groups)]
     found = model_of_weakest_level(
-        pooled, levels, lambda o: _model_of_hits(softest_hits(groups), notes, rig, o), options
+        pooled, levels, lambda o: _model_of_hits(weakest_hits(groups), notes, rig, o), options
     )
     return _require_model(found, error)
 

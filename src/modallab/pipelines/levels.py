@@ -60,7 +60,7 @@ def group_by_strength(groups: Groups) -> list[tuple[str, list[list[Signals]]]]:
     return found
 
 
-def softest_hits(groups: Groups) -> list[Signals]:
+def weakest_hits(groups: Groups) -> list[Signals]:
     """The hits of the softest level at each point."""
     return [hit for group in groups for hit in _levels_of(group)[0]]
 

@@ -6,7 +6,7 @@ from modallab.core.array_checks import check_samples
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.rig import Rig
-from modallab.signals.faults.all_faults import faults_of
+from modallab.signals.faults.all_faults import find_faults
 from modallab.signals.faults.repeats import SampleFault
 
 _NAMED = 3
@@ -35,7 +35,7 @@ def undamaged_records(
         with errors:
             check_samples(block.samples, block.channels, f"{campaign.source}, record {block.name}")
     errors.raise_collected()
-    faults = {b.name: found for b in blocks if (found := faults_of(b, rig))}
+    faults = {b.name: found for b in blocks if (found := find_faults(b, rig))}
     spoilt = _spoilt_channels(faults, len(blocks), rig)
     left = {n: rest for n, found in faults.items() if (rest := tuple(f for f in found if f.channel not in spoilt))}
     sound = tuple(_without(b, spoilt) for b in blocks if b.name not in left)

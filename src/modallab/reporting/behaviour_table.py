@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.core.digits import list_in_words, number_with_sigma, part_of
+from modallab.core.digits import list_in_words, number_with_sigma, share_text
 from modallab.core.units import SI_UNIT
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
@@ -166,7 +166,7 @@ def motion_rows(motion: MotionOverTime) -> TableRows:
     low, high = motion.band_hz
     caption = (
         f"{motion.quantity} in {unit} over {seconds:.4g} s; below each frequency in Hz, the rms of its octave."
-        f" {part_of(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model is "
+        f" {share_text(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model is "
         "not valid."
     )
     return TableRows(("point", "peak", "rms", *(f"{centre:.3g}" for centre in motion.octaves_hz)), rows, caption)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrinkage
-from modallab.core.digits import part_of, probability_text, superscript_text, three_digits, with_hard_blanks
+from modallab.core.digits import probability_text, share_text, superscript_text, three_digits, with_nonbreaking_spaces
 from modallab.gap.words.effects import effect_names
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import BarRow, log_bars
@@ -19,7 +19,7 @@ _MINUS = re.compile(r"(?<![\w\d])-(?=\d)")
 def typeset_sentence(text: str) -> str:
     """A sentence of a diagnosis with a blank before `%`, raised powers of units and true minus signs."""
     text = _POWER.sub(lambda power: superscript_text(int(power[1])), text)
-    return with_hard_blanks(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
+    return with_nonbreaking_spaces(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
 
 
 def whole_page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> str:
@@ -80,17 +80,17 @@ def _stated_probability(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
     return one.probability if one is not None and candidate.effects == [one.effect] else candidate.probability
 
 
-def shrink_section(diagnosis: Diagnosis) -> Markup | None:
+def shrinkage_section(diagnosis: Diagnosis) -> Markup | None:
     """The share of the gap that effects close on held-out records, beside the best rival's; None without effects."""
     shrink = diagnosis.shrink
     if shrink.closed is None or diagnosis.verdict != "known":
         return None
-    rows = [Bar("this diagnosis", shrink.closed, part_of(shrink.closed), "second", shrink.interval)]
+    rows = [Bar("this diagnosis", shrink.closed, share_text(shrink.closed), "second", shrink.interval)]
     rows += [
-        Bar(f"best other explanation: {effect_names(name.split('+'))}", closed, part_of(closed), "soft")
+        Bar(f"best other explanation: {effect_names(name.split('+'))}", closed, share_text(closed), "soft")
         for name, closed in shrink.rival.items()
     ]
-    ends = [part_of(v) for v in shrink.interval or ()]
+    ends = [share_text(v) for v in shrink.interval or ()]
     # An interval that is narrower than the digits shown says nothing more.
     interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
     caption = (
@@ -100,10 +100,10 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     return page_section("Shrinkage of the gap", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
 
 
-def closed_bar(name: str, shrink: Shrinkage) -> Markup:
+def shrinkage_bar(name: str, shrink: Shrinkage) -> Markup:
     """One bar: the share of the gap that is closed on held-out records; empty where there was none to close."""
     closed = shrink.closed or 0.0
-    return scaled_bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)
+    return scaled_bars([Bar(name, closed, share_text(closed), "second", shrink.interval)], CLOSED, 1.0)
 
 
 def channel_bars(before: dict[str, float], after: dict[str, float], name: str, caption: str) -> Markup:
@@ -117,7 +117,7 @@ def residual_section(diagnosis: Diagnosis) -> Markup:
     """The gap by channel, before and after, and by band, test, level and time."""
     gap = diagnosis.gap
     caption = "The gap of each channel, before any effect and with the effects found. 1 is noise alone."
-    bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
+    bands = [[f"{k.replace('-', ' to ')} Hz", share_text(v)] for k, v in gap.by_band.items()]
     tests = [
         *([f"{k} test", three_digits(v)] for k, v in gap.by_test.items()),
         *([f"level {k}", three_digits(v)] for k, v in gap.by_level.items()),

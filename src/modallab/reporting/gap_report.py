@@ -5,7 +5,7 @@ from pathlib import Path
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import Diagnosis, FoundEffect, ResponseShare
-from modallab.core.digits import part_of, probability_text, three_digits
+from modallab.core.digits import probability_text, share_text, three_digits
 from modallab.core.effect import x_m_of
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
@@ -19,10 +19,10 @@ from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_candidates import (
     candidates_section,
     captioned_picture,
-    closed_bar,
     page_section,
     residual_section,
-    shrink_section,
+    shrinkage_bar,
+    shrinkage_section,
     typeset_sentence,
     whole_page,
 )
@@ -63,7 +63,7 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         _place_of_gap(diagnosis, campaign.rig),
         _effects_section(diagnosis, campaign.rig),
         described_section(diagnosis),
-        shrink_section(diagnosis),
+        shrinkage_section(diagnosis),
         _next_step_section(diagnosis),
         _curves_section(diagnosis, campaign),
         _budget_section(diagnosis),
@@ -189,7 +189,7 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         "Description of the unnamed cause",
         html_element("p", f"The gap behaves like {described.says.rstrip(',')}."),
         html_table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
-        captioned_picture(closed_bar("with the learned element", shrink), caption),
+        captioned_picture(shrinkage_bar("with the learned element", shrink), caption),
         html_element("p", model_of(described.elements[0].element).experiment),
         html_element("ul", *others) if others else None,
     )
@@ -201,7 +201,7 @@ def _budget_section(diagnosis: Diagnosis) -> Markup | None:
     if budget is None or not budget.rows:
         return None
     largest = [
-        Bar(typeset_sentence(r.said), r.share, part_of(r.share), _COLOURS[r.kind])
+        Bar(typeset_sentence(r.said), r.share, share_text(r.share), _COLOURS[r.kind])
         for r in _rows_shown(budget)[:_LONGEST]
     ]
     first = (
@@ -226,7 +226,7 @@ def _budget_table(budget: Budget) -> Markup:
 
 def _budget_row(row: BudgetRow) -> list[str]:
     moved = "" if row.sigmas is None else f"{row.sigmas:+.1f}".replace("-", "\u2212")
-    return [typeset_sentence(row.said), part_of(row.share), moved, _where_mostly(row)]
+    return [typeset_sentence(row.said), share_text(row.share), moved, _where_mostly(row)]
 
 
 def _where_mostly(row: BudgetRow) -> str:

@@ -12,7 +12,7 @@ from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import ComparisonOutcome
-from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change, spoken_change, spoken_effect
+from modallab.gap.words.effects import change_with_place, effect_phrase, numbers_of, place_of_change, position_of_change
 from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import BarRow, BarScale, log_bars
@@ -106,7 +106,7 @@ def _place_of_gap(gap: StructureGap) -> Markup | None:
     if found:
         at = position_of_change(found[0])
         place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
-        caption = f"Stage: {found[0].stage}. The {spoken_change(found[0])}{place}."
+        caption = f"Stage: {found[0].stage}. The {change_with_place(found[0])}{place}."
     elif gap.diagnosis.verdict == "no_gap":
         caption = "No effect stands out: the residual lies within the tolerances."
     else:
@@ -119,7 +119,7 @@ def _place_of_gap(gap: StructureGap) -> Markup | None:
 
 
 def _marked_picture(gap: StructureGap, change: FoundChange) -> MarkedPlaces | None:
-    at, label = position_of_change(change), spoken_effect(change)
+    at, label = position_of_change(change), effect_phrase(change)
     if at is not None:
         return MarkedPlaces(np.array([at]), label=label)
     places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
@@ -140,7 +140,7 @@ def _explanation_list(found: ModalDiagnosis) -> Markup | None:
         return None
     tables = [
         html_table(
-            f"{spoken_effect(c).capitalize()} {place_of_change(c)}, probability {probability_text(c.probability)}",
+            f"{effect_phrase(c).capitalize()} {place_of_change(c)}, probability {probability_text(c.probability)}",
             ["", "value", "95 % interval"],
             numbers_of(c),
             numeric=(1, 2),
@@ -192,7 +192,7 @@ def _candidates_section(explained: ComparisonOutcome) -> Markup | None:
     left = [c.gap for c in found.candidates]
     rows = [["no change", probability_text(judged.nothing), percent_text(found.before), ""]]
     rows += [
-        [spoken_change(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
+        [change_with_place(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
         for c, gap in zip(listed, left, strict=True)
     ]
     rows.append(["an unnamed cause", probability_text(judged.unknown), "", f"most likely: {judged.where}"])

@@ -95,7 +95,7 @@ def fit_tone(force: NDArray[np.float64], rate_hz: float, requested_hz: float | N
     """
     if requested_hz is None:
         raise DataError("no frequency is recorded", where=where, remedy="give the record's frequency_hz")
-    fit = fit_frequency(force[None], rate_hz, strongest_near(force, rate_hz, requested_hz))
+    fit = fit_frequency(force[None], rate_hz, strongest_line_near(force, rate_hz, requested_hz))
     if np.abs(fit.amplitude[0]) < 5 * fit.residual_rms[0] * np.sqrt(2 / force.size):
         raise DataError(
             f"no sine at {requested_hz:.4g} Hz in the force: {np.abs(fit.amplitude[0]):.3g} N",
@@ -105,7 +105,7 @@ def fit_tone(force: NDArray[np.float64], rate_hz: float, requested_hz: float | N
     return fit
 
 
-def strongest_near(values: NDArray[np.float64], rate_hz: float, requested_hz: float) -> float:
+def strongest_line_near(values: NDArray[np.float64], rate_hz: float, requested_hz: float) -> float:
     """Frequency of the strongest sine in values (n,) within two lines or 5 % of the requested one: a start for the fit.
 
     Generator and converter each have a clock of their own; a wrong one may be off by more than a line. Where there is

@@ -80,7 +80,7 @@ class HitsAtPoint:
         """(hits, k) what each hit counts of the answer on each line; together 1."""
         return pulse_spectra(self.pulses, self.first, self.n)[:, self.lines.astype(int)] * self.weights
 
-    def kept(self, keep: NDArray[np.bool_]) -> Self:
+    def on_lines(self, keep: NDArray[np.bool_]) -> Self:
         """Some of the lines."""
         return replace(self, lines=self.lines[keep], weights=self.weights[:, keep])
 
@@ -143,7 +143,7 @@ class AveragedFrfs:
         """(k,) j omega of the lines."""
         return 2j * np.pi * self.lines / (self.n * self.dt)
 
-    def kept(self, keep: NDArray[np.bool_]) -> Self:
+    def on_lines(self, keep: NDArray[np.bool_]) -> Self:
         """Some of the bands."""
         count = np.diff(self.first, append=len(self.fine))
         inside = np.repeat(keep, count)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.service.campaigns.run_start import remaining_plan, require_reasonable
+from modallab.service.campaigns.run_start import remaining_plan, require_sensible_numbers
 from modallab.service.errors import ConflictError
 from modallab.service.rigs.controllers import rig_ids
 from modallab.storage.records import BlockNote, BlockRecord
@@ -57,12 +57,12 @@ def test_every_missing_frequency_is_left_and_nothing_is_if_none_is(have: set[tup
 def test_a_plan_no_machine_could_carry_out_is_rejected(field: str, value: float) -> None:
     plan = ImpactPlan.model_validate({"points": (10,), field: value})
     with pytest.raises(PlanError):
-        require_reasonable(plan, RIG)
+        require_sensible_numbers(plan, RIG)
 
 
 def test_the_plans_of_the_paper_are_reasonable() -> None:
-    require_reasonable(ImpactPlan(points=(10,)), RIG)
-    require_reasonable(SinePlan(), RIG)
+    require_sensible_numbers(ImpactPlan(points=(10,)), RIG)
+    require_sensible_numbers(SinePlan(), RIG)
 
 
 def test_ids_of_rigs_are_made_of_their_names_and_differ() -> None:

@@ -20,7 +20,7 @@ from modallab.service.campaigns.runs import run_view
 from modallab.service.context import Service, open_service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.campaign_jobs import order_job
-from modallab.service.records.archive import Archive
+from modallab.service.records.archive import ArchivedRecords
 from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import RunEntry
 from modallab.service.records.run_queue import RunQueue
@@ -42,8 +42,8 @@ def service(tmp_path: Path) -> Iterator[Service]:
 
 
 @pytest.fixture
-def aside(service: Service) -> Archive:
-    return Archive(service.engine)
+def aside(service: Service) -> ArchivedRecords:
+    return ArchivedRecords(service.engine)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from modallab_simulators.cantilever.learned import learned_parts
 
 
 @cache
-def parts() -> Mapping[str, EffectPart]:
+def effect_parts() -> Mapping[str, EffectPart]:
     """Every effect's part, in the order in which they change the bench.
 
     Raises:
@@ -31,19 +31,21 @@ def part_of(name: str) -> EffectPart:
     Raises:
         ConfigurationError: it can't.
     """
-    part = parts().get(name) or learned_parts().get(name)
+    part = effect_parts().get(name) or learned_parts().get(name)
     if part is None:
-        raise ConfigurationError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(parts()))}")
+        raise ConfigurationError(
+            f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(effect_parts()))}"
+        )
     return part
 
 
 def kinds() -> Mapping[str, EffectKind]:
     """Every effect this bench can be given: those of the catalogue, then its own."""
-    known = {name: kind for name, kind in catalogue().items() if name in parts()}
-    return known | {name: part.outside for name, part in parts().items() if part.outside is not None}
+    known = {name: kind for name, kind in catalogue().items() if name in effect_parts()}
+    return known | {name: part.outside for name, part in effect_parts().items() if part.outside is not None}
 
 
-def allowed(part: EffectPart, name: str) -> tuple[float, float]:
+def allowed_range(part: EffectPart, name: str) -> tuple[float, float]:
     """Smallest and largest value of a parameter, both included; a parameter without sign starts above 0."""
     if name in part.limits:
         return part.limits[name]

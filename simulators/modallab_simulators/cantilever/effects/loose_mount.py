@@ -6,11 +6,11 @@ from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
-from modallab_simulators.cantilever.sensor import mount
+from modallab_simulators.cantilever.sensor import loose_mount
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
-    own = mount(effect.parameters["hz"], effect.parameters["zeta"])
+    own = loose_mount(effect.parameters["hz"], effect.parameters["zeta"])
     c = altered.chain
     return replace(altered, chain=replace(c, filters=(*c.filters, (row_of(effect), own))))
 

@@ -117,7 +117,7 @@ class Drag:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Channel:
+class ForceChannel:
     """One channel of force in the modes of a basis.
 
     Attributes:
@@ -131,16 +131,16 @@ class Channel:
     point: tuple[float, int] | None = None
 
 
-def channels_of(element: PointElement | CrackElement, basis: Basis) -> list[Channel]:
+def channels_of(element: PointElement | CrackElement, basis: Basis) -> list[ForceChannel]:
     """The channels of an element."""
     if isinstance(element, PointElement):
         at = np.array([element.x_m])
         row = basis.modes.shapes(at, KEPT, element.order)[0]
-        return [Channel(basis.shapes(at, element.order)[0], row, (element.x_m, element.order))]
-    return [Channel(basis.project(row), row) for row in element.rows(basis.modes)]
+        return [ForceChannel(basis.shapes(at, element.order)[0], row, (element.x_m, element.order))]
+    return [ForceChannel(basis.project(row), row) for row in element.rows(basis.modes)]
 
 
-def static_remainder(basis: Basis, one: Channel, other: Channel) -> float:
+def static_remainder(basis: Basis, one: ForceChannel, other: ForceChannel) -> float:
     """What the modes beyond those of the basis add statically between two channels."""
     kept = (one.psi * other.psi / (-basis.poles * basis.scale)).imag.sum()
     if one.point and other.point:

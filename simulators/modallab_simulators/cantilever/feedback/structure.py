@@ -10,17 +10,17 @@ from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.feedback.elements import (
     FITTED,
-    Channel,
     CrackElement,
     Drag,
+    ForceChannel,
     PointElement,
     channels_of,
     static_remainder,
 )
 from modallab_simulators.cantilever.feedback.time_stepping import CRACK, CUBIC, FRICTION, PLAY, step_in_time
-from modallab_simulators.cantilever.loads import BLOCK, DistributedLoad, Drive
+from modallab_simulators.cantilever.loads import BLOCK, BeamLoad, DistributedLoad
 from modallab_simulators.cantilever.recursion import REACH, step_taps
-from modallab_simulators.cantilever.structure import Structure
+from modallab_simulators.cantilever.structure import LinearStructure
 
 SUBSTEPS = 2
 """Per internal sample: a force that runs straight over a sixteenth of a millisecond is right to 5e-4 at 200 Hz."""
@@ -56,7 +56,7 @@ class FeedbackStructure:
     """A structure whose local elements are solved step by step, and then drive the linear one as known forces."""
 
     def __init__(
-        self, linear: Structure, elements: Sequence[PointElement | CrackElement], drag: Drag | None, step_s: float
+        self, linear: LinearStructure, elements: Sequence[PointElement | CrackElement], drag: Drag | None, step_s: float
     ) -> None:
         self._linear, self._step_s = linear, step_s
         self._basis = linear.basis
@@ -97,18 +97,18 @@ class FeedbackStructure:
         linear = self._linear.state_from(other._linear, state.linear)
         return replace(state, linear=linear, z=self._linear.state_from(other._linear, state.z))
 
-    def advance(self, state: FeedbackState, drives: Sequence[Drive]) -> tuple[Real, FeedbackState]:
+    def advance(self, state: FeedbackState, drives: Sequence[BeamLoad]) -> tuple[Real, FeedbackState]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         loads, after = self._fed(state, drives)
         seen, linear = self._linear.advance(state.linear, loads)
         return seen, replace(after, linear=linear)
 
-    def skip(self, state: FeedbackState, drives: Sequence[Drive]) -> FeedbackState:
+    def skip(self, state: FeedbackState, drives: Sequence[BeamLoad]) -> FeedbackState:
         """The state after a stretch of which nobody wants the outputs."""
         loads, after = self._fed(state, drives)
         return replace(after, linear=self._linear.skip(state.linear, loads))
 
-    def _fed(self, state: FeedbackState, drives: Sequence[Drive]) -> tuple[list[Drive], FeedbackState]:
+    def _fed(self, state: FeedbackState, drives: Sequence[BeamLoad]) -> tuple[list[BeamLoad], FeedbackState]:
         """All loads of a stretch on the linear structure, and the state for the next but for that structure's own."""
         _, count = self._linear.times(0)
         step, ahead = BLOCK * self.oversample, count - state.past.shape[1]
@@ -121,7 +121,7 @@ class FeedbackStructure:
         loads += [replace(load, force_n=force) for load, force in zip(self._loads, forces, strict=True)]
         return loads, replace(new, past=forces[:, step:])
 
-    def _marched(self, state: FeedbackState, drives: Sequence[Drive], count: int) -> tuple[FeedbackState, Real]:
+    def _marched(self, state: FeedbackState, drives: Sequence[BeamLoad], count: int) -> tuple[FeedbackState, Real]:
         begin = state.past.shape[1] - 1 - REACH
         forces = np.zeros((len(drives), count + 2 * REACH + 1))
         into, direct = np.zeros((len(drives), len(state.z)), complex), np.zeros((len(self._local), len(drives)))
@@ -133,16 +133,16 @@ class FeedbackStructure:
         step_in_time(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
         return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory), fed
 
-    def _known(self, drive: Drive) -> tuple[Complex128, Real]:
+    def _known(self, drive: BeamLoad) -> tuple[Complex128, Real]:
         """What a known load puts into each mode, and at once into each local motion."""
         key = (drive.x_m, drive.load)
         if key not in self._intos:
             basis, at = self._basis, np.array([drive.x_m])
             if drive.load == "base":
                 row = -basis.modes.participation(KEPT)
-                channel = Channel(basis.participation, row)
+                channel = ForceChannel(basis.participation, row)
             else:
-                channel = Channel(basis.shapes(at)[0], basis.modes.shapes(at, KEPT)[0], (drive.x_m, 0))
+                channel = ForceChannel(basis.shapes(at)[0], basis.modes.shapes(at, KEPT)[0], (drive.x_m, 0))
             direct = np.array([static_remainder(basis, local, channel) for local in self._local])
             self._intos[key] = (channel.psi.astype(np.complex128), direct)
         return self._intos[key]
@@ -212,19 +212,19 @@ class FeedbackStructure:
         seen = seen[:, : np.flatnonzero(seen.any(axis=0))[-1] + 1]
         return psi, seen, np.ascontiguousarray(self._drag.put(basis.modes).T)
 
-    def _load(self, channel: Channel) -> Drive:
+    def _load(self, channel: ForceChannel) -> BeamLoad:
         nothing = np.zeros(0)
         if channel.point is not None:
-            return Drive(channel.point[0], nothing, 0.0, "moment" if channel.point[1] else "force", seen=False)
+            return BeamLoad(channel.point[0], nothing, 0.0, "moment" if channel.point[1] else "force", seen=False)
         modes, places = self._basis.modes, self._linear.places_m
         whole = modes.shapes(places, KEPT) @ (channel.row / modes.omega(KEPT) ** 2)
         kept = (self._basis.shapes(places) * channel.psi / (-self._basis.poles * self._basis.scale)).imag.sum(axis=1)
-        return Drive(0.0, nothing, 0.0, "spread", False, DistributedLoad(channel.psi, whole - kept))
+        return BeamLoad(0.0, nothing, 0.0, "spread", False, DistributedLoad(channel.psi, whole - kept))
 
-    def _drag_loads(self) -> list[Drive]:
+    def _drag_loads(self) -> list[BeamLoad]:
         still = np.zeros(len(self._linear.places_m))
         rows = self._drag_rows()[0]
-        return [Drive(0.0, np.zeros(0), 0.0, "spread", False, DistributedLoad(psi, still)) for psi in rows]
+        return [BeamLoad(0.0, np.zeros(0), 0.0, "spread", False, DistributedLoad(psi, still)) for psi in rows]
 
 
 def _parts(numbers: Complex128) -> Real:
@@ -232,7 +232,7 @@ def _parts(numbers: Complex128) -> Real:
     return np.ascontiguousarray(np.stack([numbers.real, numbers.imag], axis=-2))
 
 
-def _kept(basis: Basis, one: Channel, other: Channel) -> float:
+def _kept(basis: Basis, one: ForceChannel, other: ForceChannel) -> float:
     return float((one.psi * other.psi / (-basis.poles * basis.scale)).imag.sum())
 
 

@@ -24,7 +24,7 @@ AVAILABLE = find_spec("numba") is not None
 """Whether loops are compiled."""
 
 
-def compiled(function: _Function) -> _Function:
+def machine_code(function: _Function) -> _Function:
     """The function as machine code, kept on disk for the next process."""
     if not AVAILABLE:
         return function
@@ -43,7 +43,7 @@ _PASSES = 12
 _CLOSE = 1e-10
 
 
-@compiled
+@machine_code
 def _cubic(free: float, b: float, k3: float) -> float:
     """The force -k3 u^3 where u + b k3 u^3 = free, by Newton from the side on which it never overshoots."""
     u = free
@@ -55,7 +55,7 @@ def _cubic(free: float, b: float, k3: float) -> float:
     return -k3 * u**3
 
 
-@compiled
+@machine_code
 def _friction(free: float, b: float, k: float, m: float, memory: Real, e: int) -> float:
     """What a slider of stiffness k and limit m leaves of k u; `memory` holds its last displacement and moment."""
     g = k * memory[e, 0] - memory[e, 1]
@@ -69,14 +69,14 @@ def _friction(free: float, b: float, k: float, m: float, memory: Real, e: int) -
     return g
 
 
-@compiled
+@machine_code
 def _play(free: float, b: float, k: float, gap: float) -> float:
     """What a free play leaves out of k u: all of it within the gap."""
     u = free / (1 - b * k)
     return k * u if abs(u) <= gap else copysign(k * gap, free)
 
 
-@compiled
+@machine_code
 def _crack(own: Real, crack: Real, e: int, first: int, last: int, g: Real) -> None:
     """The bend that opens with a positive moment: what its compliance makes of the moment, or nothing."""
     moment = 0.0
@@ -89,7 +89,7 @@ def _crack(own: Real, crack: Real, e: int, first: int, last: int, g: Real) -> No
                 g[i] += crack[e, i - first, j - first] * own[j]
 
 
-@compiled
+@machine_code
 def _solve(
     free: Real,
     own: Real,
@@ -123,7 +123,7 @@ def _solve(
         memory[e, 0], memory[e, 1] = memory[e, 2], memory[e, 3]
 
 
-@compiled
+@machine_code
 def _others(own: Real, free: Real, b: Real, g: Real, first: int, last: int) -> None:
     """What an element's motions would be with the other elements' forces, but without its own."""
     for i in range(first, last):
@@ -133,7 +133,7 @@ def _others(own: Real, free: Real, b: Real, g: Real, first: int, last: int) -> N
                 own[i] += b[i, j] * g[j]
 
 
-@compiled
+@machine_code
 def _seen(row: int, seen: Real, z: Real) -> float:
     """Real part of a row of weights times z, or times as much of it as there are weights."""
     total = 0.0
@@ -142,7 +142,7 @@ def _seen(row: int, seen: Real, z: Real) -> float:
     return total
 
 
-@compiled
+@machine_code
 def _add(z: Real, weights: Real, g: Real) -> None:
     """What the fed-back forces put into each mode."""
     for c in range(len(g)):
@@ -153,7 +153,7 @@ def _add(z: Real, weights: Real, g: Real) -> None:
                 z[1, r] += weights[c, 1, r] * force
 
 
-@compiled
+@machine_code
 def _turn(z: Real, decay: Real) -> None:
     """One substep of free motion."""
     for r in range(z.shape[1]):
@@ -162,7 +162,7 @@ def _turn(z: Real, decay: Real) -> None:
         z[0, r] = real
 
 
-@compiled
+@machine_code
 def _drive(z: Real, taps: Real, s: int, forces: Real, k: int, into: Real, held: Real) -> None:
     """What the known forces, by their samples about a substep, put into each mode."""
     modes = z.shape[1]
@@ -185,7 +185,7 @@ def _drive(z: Real, taps: Real, s: int, forces: Real, k: int, into: Real, held: 
             z[1, r] += into[d, 0, r] * held[1, r] + into[d, 1, r] * held[0, r]
 
 
-@compiled
+@machine_code
 def _drag(z: Real, seen: Real, put: Real, local: int, g: Real) -> None:
     """The forces g = -put |v| v on some modes, from the speeds v of some points."""
     for c in range(local, len(g)):
@@ -197,7 +197,7 @@ def _drag(z: Real, seen: Real, put: Real, local: int, g: Real) -> None:
             g[c] -= put[q, c - local] * pull
 
 
-@compiled
+@machine_code
 def step_in_time(
     z: Real,
     g: Real,

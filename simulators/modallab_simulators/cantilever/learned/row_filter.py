@@ -7,7 +7,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
-from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount
+from modallab_simulators.cantilever.sensor import SensorTransfer, high_pass, loose_mount, low_pass
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
@@ -18,7 +18,7 @@ def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
         c = replace(c, gain={**c.gain, **{r: c.gain.get(r, 1.0) * law["gain"] for r in rows}})
     if "delay" in law and own is None:
         c = replace(c, delay_s=c.delay_s + law["delay"])
-    made: list[Sensor] = []
+    made: list[SensorTransfer] = []
     if "delay" in law and own is not None:
         made.append(_late(law["delay"]))
     if "low_pass_hz" in law:
@@ -26,13 +26,13 @@ def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     if "high_pass_hz" in law:
         made.append(high_pass(law["high_pass_hz"]))
     if "mount_hz" in law:
-        made.append(mount(law["mount_hz"], min(law.get("mount_zeta", 0.04), 0.99)))
+        made.append(loose_mount(law["mount_hz"], min(law.get("mount_zeta", 0.04), 0.99)))
     return replace(altered, chain=replace(c, filters=(*c.filters, *((own, sensor) for sensor in made))))
 
 
-def _late(seconds: float) -> Sensor:
+def _late(seconds: float) -> SensorTransfer:
     """An all-pass as late as that where it is late by less than a radian: (1 - s T / 2) / (1 + s T / 2), after Pade."""
-    return Sensor(-1.0, (complex(-2 / seconds),), (complex(4 / seconds),))
+    return SensorTransfer(-1.0, (complex(-2 / seconds),), (complex(4 / seconds),))
 
 
 def _check(effect: Effect, rig: Rig) -> list[str]:

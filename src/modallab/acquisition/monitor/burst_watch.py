@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import RestNoise
-from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.monitor.stream import BenchStream
 from modallab.bench.protocol import Burst, SampleChunk
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Channel, Limits, Rig
@@ -180,7 +180,7 @@ def expected_to_move(limits: LimitWatch, conversion: Conversion, driven: int) ->
     return [int(channel) for channel in np.flatnonzero(np.isfinite(limits.limit)) if channel not in still]
 
 
-def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream, lowest_hz: float) -> BurstWatch:
+def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: BenchStream, lowest_hz: float) -> BurstWatch:
     """The watch for a rig's limits; `lowest_hz` is the lowest frequency that will be driven."""
     watched = limit_watch(rig, limits, conversion)
     plausible = Plausibility(

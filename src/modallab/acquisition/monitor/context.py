@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from modallab.acquisition.monitor.run_states import Emit, ExcitationState, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.settled import (
-    Floor,
+    NoiseFloor,
     SettledCheck,
     Window,
     WindowLevels,
@@ -14,7 +14,7 @@ from modallab.acquisition.monitor.settled import (
     floor_of,
     motion_decays,
 )
-from modallab.acquisition.monitor.stream import Stream, Watch
+from modallab.acquisition.monitor.stream import BenchStream, Watch
 from modallab.bench.protocol import Bench
 from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import SamplesLostError
@@ -79,7 +79,7 @@ class RunContext:
     emit: Emit
     life: RunLifecycle
     conversion: Conversion
-    stream: Stream
+    stream: BenchStream
     block: int
     recut: ResamplingRule | None = None
     requests: OperatorRequests = field(default_factory=OperatorRequests)
@@ -108,12 +108,12 @@ class RunContext:
             return stretch[rows[0] : rows[-1] + 1]
         return stretch[list(rows)]
 
-    def look_at_last_window(self, floor: Floor, watch: Watch | None = None) -> WindowLevels:
+    def look_at_last_window(self, floor: NoiseFloor, watch: Watch | None = None) -> WindowLevels:
         """At the last window; after a restart it must first be read."""
         self.stream.advance_to(self.rest_window, watch)
         return WindowLevels.of(self.motion_samples(self.stream.next - self.rest_window, self.rest_window), floor.rms)
 
-    def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
+    def check_settled_now(self, floor: NoiseFloor, watch: Watch | None = None) -> SettledCheck:
         """What the last window says."""
         return check_settled(self.look_at_last_window(floor, watch), floor)
 
@@ -214,7 +214,7 @@ class RunContext:
         self.emit(RunProgress(run=self.recorder.run, done=done, total=total, what=what))
 
 
-def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = None) -> Floor:
+def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = None) -> NoiseFloor:
     """The noise floor at the start; if the beam still rings then, wait until it no longer fades, up to `patience_s`."""
     stream = context.stream
     last = stream.next + stream.samples_of(patience_s)

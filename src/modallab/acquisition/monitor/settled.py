@@ -47,7 +47,7 @@ Window = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Floor:
+class NoiseFloor:
     """The noise of the chain while the beam rests.
 
     Attributes:
@@ -153,7 +153,7 @@ def _power_of_lines(spectrum: NDArray[np.complexfloating]) -> NDArray[np.floatin
     return spectrum.real**2 + spectrum.imag**2
 
 
-def floor_of(windows: list[Window], *, counts: bool = True) -> Floor:
+def floor_of(windows: list[Window], *, counts: bool = True) -> NoiseFloor:
     """The floor from (channels, n) windows at rest, as delivered.
 
     A channel's noise may be less than one count: then the count's rounding, 1 / sqrt(12), is its floor. What a device
@@ -164,7 +164,7 @@ def floor_of(windows: list[Window], *, counts: bool = True) -> Floor:
     power = np.mean([WindowLevels.of(window, rms).power for window in windows], axis=0)
     # Neighbours know the noise better than one line alone; a steady tone, such as the mains', keeps its own.
     smooth = _neighbours(power)
-    return Floor(rms, np.maximum(np.where(power > TONE_FACTOR * smooth, power, smooth), 1e-3))
+    return NoiseFloor(rms, np.maximum(np.where(power > TONE_FACTOR * smooth, power, smooth), 1e-3))
 
 
 def _neighbours(power: Real) -> Real:
@@ -174,7 +174,7 @@ def _neighbours(power: Real) -> Real:
     return np.convolve(power, kernel, mode="same") / np.convolve(counted, kernel, mode="same")
 
 
-def motion_decays(windows: list[Window], floor: Floor) -> bool:
+def motion_decays(windows: list[Window], floor: NoiseFloor) -> bool:
     """Whether the windows a floor was taken from hold a motion that dies away: then it was no rest."""
     powers = [WindowLevels.of(window, floor.rms).power for window in windows]
     half = len(windows) // 2
@@ -183,14 +183,14 @@ def motion_decays(windows: list[Window], floor: Floor) -> bool:
     return bool((late[strong] < 0.8 * early[strong]).any())
 
 
-def check_settled(look: WindowLevels, floor: Floor) -> SettledCheck:
+def check_settled(look: WindowLevels, floor: NoiseFloor) -> SettledCheck:
     """What a window, of the floor's length, says about the beam."""
     excess = look.power / (floor.lines * noise_limit(len(floor.rms)))
     line = int(np.argmax(excess))
     return SettledCheck(float((look.rms / floor.rms).max()), line, float(excess[line]))
 
 
-def ringing_lines(look: WindowLevels, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
+def ringing_lines(look: WindowLevels, floor: NoiseFloor) -> tuple[Real, NDArray[np.int64]]:
     """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a window, and their lines."""
     power = look.power
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
@@ -199,7 +199,7 @@ def ringing_lines(look: WindowLevels, floor: Floor) -> tuple[Real, NDArray[np.in
     return np.sqrt((power - floor.lines)[peaks] * 6 / look.count), peaks
 
 
-def sensor_motion(block: Window, n: int, floor: Floor) -> Single:
+def sensor_motion(block: Window, n: int, floor: NoiseFloor) -> Single:
     """(channels, lines) amplitudes, in noise rms, of a hit's (channels, m) block on the lines of a window of n samples.
 
     Lines go as far as those of a window's power.
@@ -210,7 +210,7 @@ def sensor_motion(block: Window, n: int, floor: Floor) -> Single:
     return found
 
 
-def amplitude_of_motion(block: Window, n: int, lines: NDArray[np.int64], floor: Floor) -> Single:
+def amplitude_of_motion(block: Window, n: int, lines: NDArray[np.int64], floor: NoiseFloor) -> Single:
     """As `sensor_motion`, at a few lines only: (channels, lines), in far less time than a transform of all."""
     step = int(np.sqrt(block.shape[1]))
     turns = -2j * np.pi * lines / n

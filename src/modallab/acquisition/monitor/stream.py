@@ -16,7 +16,7 @@ Watch = Callable[[SampleChunk], None]
 READ_SLACK_S = 5.0
 
 
-class Stream:
+class BenchStream:
     """Reads a started bench up to requested places and cuts stretches out of what was read.
 
     Everything is addressed by the device's own sample count, so what is cut never depends on how it was read.

@@ -11,8 +11,8 @@ from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import DrivenForces, driven_points, over_limits
 from modallab.acquisition.procedures.broadband_wave import (
     WaveLayout,
-    blocks_a_wave,
     blocks_of_wave,
+    blocks_per_wave,
     layout_of,
     peak_v,
     waves_of,
@@ -109,7 +109,7 @@ class BroadbandTest:
         rest_n = self.forces.rms(rest)
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
         missing = self.plan.blocks - len(self.kept[level])
-        most = blocks_a_wave(self.plan, self.limits.max_burst_s)
+        most = blocks_per_wave(self.plan, self.limits.max_burst_s)
         fitting = blocks_of_wave(self.plan, number, missing, most, len(self.points))
         layout = layout_of(self.plan, fitting, context.block / stream.rate_hz)
         waves = waves_of(self.plan, level, number, layout, len(self.points))

@@ -7,8 +7,8 @@ from math import inf
 import numpy as np
 
 from modallab.acquisition.procedures.broadband_wave import (
-    blocks_a_wave,
     blocks_of_wave,
+    blocks_per_wave,
     is_periodic,
     layout_of,
     peak_v,
@@ -32,13 +32,13 @@ def driven_points(plan: BroadbandPlan, rig: Rig) -> tuple[int, ...]:
 
 def longest_wave_s(plan: BroadbandPlan, rig: Rig) -> float:
     """How long the longest wave of a plan lasts, from 0 V to 0 V."""
-    fitting = blocks_a_wave(plan, inf if rig.limits is None else rig.limits.max_burst_s)
+    fitting = blocks_per_wave(plan, inf if rig.limits is None else rig.limits.max_burst_s)
     return layout_of(plan, _blocks_of_each_wave(plan, fitting, len(driven_points(plan, rig)))[0], plan.block_s).end_s
 
 
 def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str]:
     """What does not go together in a plan for so many shakers, and what the rig's limits do not allow of its waves."""
-    fitting = blocks_a_wave(plan, limits.max_burst_s)
+    fitting = blocks_per_wave(plan, limits.max_burst_s)
     least = 2 if shakers > 1 and is_periodic(plan) else 1
     problems = _too_few(plan, shakers)
     if not problems and fitting < least:

@@ -53,7 +53,7 @@ def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> WaveLayout:
     return WaveLayout(plan.settle_s, blocks, block_s, plan.settle_s + blocks * block_s + MARGIN_S + plan.ramp_s)
 
 
-def blocks_a_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
+def blocks_per_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
     """How many blocks fit into the longest wave that plan and rig allow; 0 if not one does."""
     around_s = layout_of(plan, 0, plan.block_s).end_s
     most = min(plan.blocks, plan.blocks_per_wave or plan.blocks)

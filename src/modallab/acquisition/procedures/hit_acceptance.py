@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import (
-    Floor,
+    NoiseFloor,
     WindowLevels,
     amplitude_of_motion,
     largest_ratio,
@@ -101,7 +101,7 @@ CONTACT_LEVEL = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
+class MeasuredHit:
     """The hit in a block, in numbers.
 
     Attributes:
@@ -117,7 +117,7 @@ class Hit:
     drop_db: float
 
 
-def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
+def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> MeasuredHit:
     """Measure the hit in a block's (n,) force, whose trigger is at index `before`.
 
     Bad and good hits alike; the mean of the force before the trigger counts as zero.
@@ -129,7 +129,7 @@ def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
     mean = np.convolve(force, np.full(merge, 1 / merge), mode="same")
     # The mean still holds the contact for half its length after its end.
     rest = mean[end + merge // 2 + 1 :]
-    return Hit(
+    return MeasuredHit(
         peak_n=peak,
         contact_s=(end - start) / rate_hz,
         second_ratio=max(0.0, float(rest.max() / mean[start:end].max())) if rest.size else 0.0,
@@ -137,7 +137,7 @@ def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
     )
 
 
-def rejection_reasons(hit: Hit, limits: HitAcceptance) -> list[str]:
+def rejection_reasons(hit: MeasuredHit, limits: HitAcceptance) -> list[str]:
     """Why this hit does not count; empty if it does."""
     found: list[str] = []
     if hit.peak_n < limits.min_force_n:
@@ -213,12 +213,12 @@ class MotionBeforeHit:
     lines: NDArray[np.int64]
 
     @classmethod
-    def of(cls, context: RunContext, first: int, floor: Floor) -> Self:
+    def of(cls, context: RunContext, first: int, floor: NoiseFloor) -> Self:
         """In the window that ends at sample `first`."""
         look = WindowLevels.of(context.motion_samples(first - context.rest_window, context.rest_window), floor.rms)
         return cls(*ringing_lines(look, floor))
 
-    def relative_to_block(self, context: RunContext, first: int, floor: Floor) -> RingingBeforeHit:
+    def relative_to_block(self, context: RunContext, first: int, floor: NoiseFloor) -> RingingBeforeHit:
         """As part of what moves in the block from sample `first`."""
         if self.lines.size == 0:
             return RingingBeforeHit(0.0, 0.0)

@@ -4,8 +4,14 @@ from dataclasses import asdict, dataclass, field
 
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock
-from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Hit, HitQueue, MotionBeforeHit, hit_of, rejection_reasons
+from modallab.acquisition.monitor.settled import NoiseFloor
+from modallab.acquisition.procedures.hit_acceptance import (
+    HitQueue,
+    MeasuredHit,
+    MotionBeforeHit,
+    hit_of,
+    rejection_reasons,
+)
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
 from modallab.acquisition.procedures.struck_point.check import HitLocation, StruckPointCheck
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, response_of_hit
@@ -206,7 +212,7 @@ class ImpactTest:
         motion = context.motion_samples(first, context.block)
         self.rest.motion.add_hit(name, point, force_n, motion, context.rest_window, self.rest.floor)
 
-    def _measure(self, first: int) -> Hit:
+    def _measure(self, first: int) -> MeasuredHit:
         context = self.context
         force_n = context.conversion.force_n(context.stream.view_samples(first, context.block))
         return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
@@ -256,7 +262,7 @@ def run_impact(context: RunContext, plan: ImpactPlan, expected: ExpectedModes | 
     ImpactTest(context, plan, rest, struck, HitQueue.of(plan)).run()
 
 
-def _undisturbed_floor(context: RunContext, plan: ImpactPlan, early: EarlyHits) -> Floor:
+def _undisturbed_floor(context: RunContext, plan: ImpactPlan, early: EarlyHits) -> NoiseFloor:
     """The floor, again if somebody struck meanwhile, as long as the plan's patience lasts."""
     last = context.stream.next + context.stream.samples_of(plan.hit_timeout_s)
     while True:

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.settled import (
-    Floor,
+    NoiseFloor,
     SettledCheck,
     Single,
     Window,
@@ -101,7 +101,7 @@ class HitMotion:
     point_of: dict[str, int] = field(default_factory=dict[str, int])
     forces: dict[str, Real] = field(default_factory=dict[str, Real])
 
-    def add_hit(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: Floor) -> None:
+    def add_hit(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: NoiseFloor) -> None:
         """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
         sensors = sensor_motion(block, n, floor)
         self.forces[name] = np.abs(spectrum(force_n - np.median(force_n), n))[: sensors.shape[1]]
@@ -178,7 +178,7 @@ class RestWait:
 
     context: RunContext
     plan: ImpactPlan
-    floor: Floor
+    floor: NoiseFloor
     early: EarlyHits
     motion: HitMotion
     _cost: int = field(default=0, init=False)

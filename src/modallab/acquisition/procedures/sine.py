@@ -6,7 +6,7 @@ from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import RunContext, measure_floor
-from modallab.acquisition.monitor.settled import Floor, SettledCheck
+from modallab.acquisition.monitor.settled import NoiseFloor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, BurstSetting, SineDrive, burst_of, check_burst
 from modallab.acquisition.procedures.target import SineStep, repeated_steps, steps_of
 from modallab.bench.capabilities import ReportsOutput, SensorSupplyCheck
@@ -40,7 +40,7 @@ class SineTest:
     context: RunContext
     plan: SinePlan
     limits: Limits
-    floor: Floor
+    floor: NoiseFloor
     watch: BurstWatch
     restarts: int = 0
     todo: deque[SineStep] = field(default_factory=deque[SineStep])

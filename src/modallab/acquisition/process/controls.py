@@ -28,7 +28,7 @@ from modallab.storage import Store
 
 
 @dataclass(frozen=True, slots=True)
-class RunView:
+class RunStatus:
     """The active run, or the last one; each event makes a new view.
 
     Attributes:
@@ -83,11 +83,11 @@ class RunControls(ABC):
     def __init__(self, data_folder: Path) -> None:
         self._folder = data_folder
         self._plan: Plan | None = None
-        self._view = RunView()
+        self._view = RunStatus()
         self._running = self._pausing = False
 
     @property
-    def view(self) -> RunView:
+    def view(self) -> RunStatus:
         """The active run or the last one: state, hits or frequencies so far of how many, the hit that is waited for,
         the blocks that count, the last block's name. From any thread; as new as the last event that `run` yielded."""
         return self._view
@@ -177,7 +177,7 @@ class RunControls(ABC):
         self._send(AcceptBlock(block, reason, operator))
 
     def _begin(self, plan: Plan) -> None:
-        self._plan, self._view = plan, RunView()
+        self._plan, self._view = plan, RunStatus()
         self._running, self._pausing = True, False
 
     def _saw(self, event: Event) -> None:

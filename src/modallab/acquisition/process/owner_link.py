@@ -37,7 +37,7 @@ class RunPlan:
 
 
 @dataclass(frozen=True, slots=True)
-class EmergencyStop:
+class EmergencyStopOrder:
     """As abort; the rig is tripped already."""
 
 
@@ -60,7 +60,7 @@ Message = (
     | AcceptBlock
     | StopRun
     | AbortRun
-    | EmergencyStop
+    | EmergencyStopOrder
     | CloseOrder
     | OwnerHeartbeat
 )
@@ -152,7 +152,7 @@ class OwnerLink:
             OwnerHeartbeat: lambda: None,
             StopRun: lambda: self._request("stop"),
             AbortRun: lambda: self._request("abort"),
-            EmergencyStop: lambda: self._request("emergency"),
+            EmergencyStopOrder: lambda: self._request("emergency"),
             PauseRun: self.requests.pause,
             ResumeRun: self.requests.resume,
             CloseOrder: self._leave,

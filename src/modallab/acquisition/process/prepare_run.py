@@ -13,7 +13,7 @@ from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRingBuffer, LiveTap
 from modallab.acquisition.monitor.run_states import Emit, ExcitationState, OperatorRequests, RunLifecycle
-from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.monitor.stream import BenchStream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.sensors import PATIENCE_S, sensor_remarks, supplied_channels, wait_until_settled
@@ -123,7 +123,7 @@ def prepare_run(setup: RunSetup) -> RunContext:
     # A block is looked at, and written, when its burst has ended.
     tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
     keep = MEMORY_BLOCKS * block + tail
-    stream = Stream(
+    stream = BenchStream(
         bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.show_samples(delivery)
     )
     load_filters(setup.rig.limits)

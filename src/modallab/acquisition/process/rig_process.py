@@ -18,7 +18,7 @@ from modallab.acquisition.process.owner_link import (
     HEARTBEAT_S,
     BenchOpened,
     CloseOrder,
-    EmergencyStop,
+    EmergencyStopOrder,
     Message,
     OwnerHeartbeat,
     Report,
@@ -135,7 +135,7 @@ class RigProcess(RunControls):
             try:
                 self.latch.trip("emergency stop", why)
             finally:
-                self._send(EmergencyStop())
+                self._send(EmergencyStopOrder())
 
     @property
     def trip(self) -> Trip | None:

@@ -74,7 +74,7 @@ def status_sentence(state: SessionState) -> str:
     return f"{word}{where}{text}"
 
 
-class Screen:
+class TerminalScreen:
     """Paints the whole terminal at every change."""
 
     def __init__(self, console: Console, keys: KeyMap) -> None:
@@ -112,7 +112,7 @@ class TerminalOperator:
 
     def __init__(self, console: Console, keys: KeyMap, session: LocalCampaign, *, mute: bool) -> None:
         self._console, self._session = console, session
-        self._screen = Screen(console, keys) if console.is_terminal else None
+        self._screen = TerminalScreen(console, keys) if console.is_terminal else None
         self._tones = Tones(mute=mute)
         self._state = SessionState()
         self._lock = Lock()

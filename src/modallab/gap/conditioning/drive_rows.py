@@ -15,7 +15,7 @@ from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.gap.conditioning.rows import ImpactData, Piece, Weights, rows_of
+from modallab.gap.conditioning.rows import DataPiece, ImpactData, Weights, rows_of
 from modallab.signals.signals import to_signals
 from modallab.twin.response import AveragedFrfs
 
@@ -51,7 +51,7 @@ def reduce_drive(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactD
         _spectra_of_records([s.responses for s in signals]),
     )
     doubt = np.array([weights.doubt[b.name] for b in blocks])
-    own = weights.force(rig, test) ** 2 * n * len(blocks)
+    own = weights.force_noise(rig, test) ** 2 * n * len(blocks)
     fine, starts = _driven_bands(np.where(np.isfinite(doubt), np.abs(force) ** 2, 0).sum(axis=0), own)
     if not len(fine):
         raise DataError(f"the force of {first.name} does not exceed its noise", remedy="drive at a higher level")
@@ -63,10 +63,10 @@ def reduce_drive(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactD
     lines = _sum_in_bands(power * fine.astype(np.float64), starts) / whole
     doubted = 1 + _sum_in_bands(power * doubt[:, fine], starts) / whole
     sigma = weights.sigma(rig, test, lines, n, dt) * np.sqrt(n / 2 / clean * doubted)
-    sigma = np.hypot(sigma, weights.hum(rig, test, lines, n, dt) * n / 2 / np.sqrt(2 * clean))
+    sigma = np.hypot(sigma, weights.hum_amplitude(rig, test, lines, n, dt) * n / 2 / np.sqrt(2 * clean))
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
     source = AveragedFrfs(lines, n, dt, fine.astype(float), power.sum(axis=0) / np.repeat(whole, counts), starts)
-    force_noise = weights.force(rig, test) * np.sqrt(n / 2 / clean)
+    force_noise = weights.force_noise(rig, test) * np.sqrt(n / 2 / clean)
     return ImpactData(_piece_of_drive(blocks, rig), source, rows_of(y, sigma, force_noise))
 
 
@@ -81,9 +81,9 @@ def _spectra_of_records(records: Sequence[Real]) -> Complex:
     return np.fft.rfft(rows - rows.mean(axis=2, keepdims=True), axis=2)
 
 
-def _piece_of_drive(blocks: Sequence[Block], rig: Rig) -> Piece:
+def _piece_of_drive(blocks: Sequence[Block], rig: Rig) -> DataPiece:
     first = blocks[0]
-    return Piece(
+    return DataPiece(
         f"{first.test}_p{first.drive_point:02d}" + (f"_{first.level}" if first.level else ""),
         float(np.mean([b.order for b in blocks])),
         rig.x_of(first.drive_point or 0),

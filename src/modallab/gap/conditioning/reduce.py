@@ -17,7 +17,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.drive_rows import group_drives, reduce_drive
-from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, Weights, rows_of
+from modallab.gap.conditioning.rows import DataPiece, ImpactData, Reduced, Rows, SineData, Weights, rows_of
 from modallab.signals.hit import HitSamples
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
@@ -65,10 +65,10 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         power = 1 / np.sum(np.abs(conj) ** 2, axis=0)
     sigma = weights.sigma(rig, "impact", lines, n, dt) * np.sqrt(n / 2 / power)
     # Half of the hum's power falls on either part, and its phase changes from hit to hit.
-    sigma = np.hypot(sigma, weights.hum(rig, "impact", lines, n, dt) * n / 2 / np.sqrt(2 * power))
+    sigma = np.hypot(sigma, weights.hum_amplitude(rig, "impact", lines, n, dt) * n / 2 / np.sqrt(2 * power))
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
-    force_noise = weights.force(rig, "impact") * np.sqrt(pulses.shape[1] / 2 / power)
-    piece = Piece(
+    force_noise = weights.force_noise(rig, "impact") * np.sqrt(pulses.shape[1] / 2 / power)
+    piece = DataPiece(
         f"impact_p{first.drive_point:02d}",
         float(np.mean([b.order for b in blocks])),
         rig.x_of(first.drive_point or 0),
@@ -108,7 +108,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     n, dt = first.n_samples, 1 / first.rate_hz
     offsets = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
     signals = [to_signals(block, rig) for block in blocks]
-    force_sigma = weights.force(rig, "sine")
+    force_sigma = weights.force_noise(rig, "sine")
     ratio, ratio_sigma = sine_ratio(signals, force_sigma)
     scale = _where_shown(ratio, ratio_sigma)
     lines, drive, forces, y, sigma, noise, pieces = [], [], [], [], [], [], []
@@ -119,7 +119,9 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         at = line + offsets
         spectrum = np.fft.rfft(signal.responses, axis=1)[:, np.abs(at)]
         spread = weights.sigma(rig, "sine", at.astype(float), n, dt) * np.sqrt(2 / n) / abs(amplitude)
-        spread = np.hypot(spread, weights.hum(rig, "sine", at.astype(float), n, dt) / np.sqrt(2) / abs(amplitude))
+        spread = np.hypot(
+            spread, weights.hum_amplitude(rig, "sine", at.astype(float), n, dt) / np.sqrt(2) / abs(amplitude)
+        )
         spread[[(block.name, c.index) in weights.masked for c in rig.responses]] = np.inf
         spread[:, at == 0] = np.inf
         lines.append(at.astype(float))
@@ -127,10 +129,10 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         forces.append(amplitude)
         y.append(np.where(at < 0, spectrum.conj(), spectrum) * 2 / n / amplitude)
         sigma.append(spread)
-        louder = float(weights.rise(np.array([f0]))[rig.force_channel.index, 0])
+        louder = float(weights.noise_rise(np.array([f0]))[rig.force_channel.index, 0])
         noise.append(np.where(offsets == 0, louder * force_sigma * np.sqrt(2 / n) / abs(amplitude), 0.0))
         pieces.append(
-            Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
+            DataPiece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
     rows = rows_of(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
     source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), onset_of_sines(blocks))
@@ -162,7 +164,7 @@ def sine_clock(data: Reduced) -> float:
 def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     """The same from records as they came, of which only sines count, and (rows,) V of noise."""
     signals = [to_signals(b, rig) for b in blocks if b.test == "sine"]
-    return _where_shown(*sine_ratio(signals, Weights(noise_v).force(rig, "sine"))) if signals else 1.0
+    return _where_shown(*sine_ratio(signals, Weights(noise_v).force_noise(rig, "sine"))) if signals else 1.0
 
 
 def _where_shown(ratio: float, sigma: float) -> float:
@@ -204,4 +206,4 @@ def _thin_part(d: ImpactData, poles: Complex) -> ImpactData:
     keep = (np.arange(len(hz)) % 12 == 0) | (hz < 8)
     for pole in np.abs(poles) / (2 * np.pi):
         keep |= np.abs(hz - pole) < np.maximum(3.5 * df, 0.025 * pole)
-    return replace(d, source=d.source.kept(keep), rows=_keep_lines(d.rows, keep))
+    return replace(d, source=d.source.on_lines(keep), rows=_keep_lines(d.rows, keep))

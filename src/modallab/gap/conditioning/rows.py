@@ -32,7 +32,7 @@ class Rows:
     common: Real
     direction: Complex
 
-    def whiten(self, residual: Complex) -> Complex:
+    def in_noise_units(self, residual: Complex) -> Complex:
         """Residuals (..., channels, rows) in noise units, the force's noise taken out."""
         # A complex number is divided ten times as slowly as it is multiplied.
         r = residual * (1 / self.sigma)
@@ -45,7 +45,7 @@ class Rows:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Piece:
+class DataPiece:
     """A piece of data with one drive point and one place in time.
 
     Attributes:
@@ -76,7 +76,7 @@ class Piece:
 class ImpactData:
     """All hits at one point that are taken together, or all records of a broadband drive."""
 
-    piece: Piece
+    piece: DataPiece
     source: HitsAtPoint | AveragedFrfs
     rows: Rows
 
@@ -85,7 +85,7 @@ class ImpactData:
 class SineData:
     """All sine blocks; rows are blocks x lines, flattened. `ratio` is the seen frequency over the one that was set."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[DataPiece, ...]
     source: SineBlocks
     rows: Rows
     ratio: float
@@ -154,18 +154,18 @@ class Weights:
     def sigma(self, rig: Rig, test: Test, lines: Real, n: int, dt: float) -> Real:
         """(channels, lines) noise per sample in SI units, on the lines of a block of n samples, dt s apart."""
         rows, hz = [c.index for c in rig.responses], np.abs(lines) / (n * dt)
-        total = self._si(rig, test)[rows][:, None] * self.rise(hz)[rows]
+        total = self._si(rig, test)[rows][:, None] * self.noise_rise(hz)[rows]
         if self.floor is None:
             return total
         at = np.minimum(np.rint(hz * self.floor_s).astype(int), self.floor.shape[1] - 1)
         # Noise of a band stands the higher above white noise of the same variance, the faster it is sampled.
         return np.sqrt(total**2 + self.floor[:, at] / dt)
 
-    def rise(self, hz: Real) -> Real:
+    def noise_rise(self, hz: Real) -> Real:
         """(rows, hz) factor on the white noise of each row at these frequencies."""
         return np.sqrt(1 + self.rising_v2 / self.noise_v[:, None] ** 2 / np.maximum(hz, 0.5))
 
-    def hum(self, rig: Rig, test: Test, lines: Real, n: int, dt: float) -> Real:
+    def hum_amplitude(self, rig: Rig, test: Test, lines: Real, n: int, dt: float) -> Real:
         """(channels, lines) SI amplitude that hum of unknown phase leaves on the lines of a block, of n / 2."""
         if self.hum_v is None:
             return np.zeros((len(rig.responses), len(lines)))
@@ -174,7 +174,7 @@ class Weights:
         size = (self.hum_v / np.abs(volts_per_si(rig, test)))[[c.index for c in rig.responses]]
         return size[:, None] * np.where(np.abs(a) < 1e-9, 1.0, leaked)
 
-    def force(self, rig: Rig, test: Test) -> float:
+    def force_noise(self, rig: Rig, test: Test) -> float:
         """Noise of the force per sample in N."""
         return float(self._si(rig, test)[rig.force_channel.index])
 

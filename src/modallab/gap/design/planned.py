@@ -14,7 +14,7 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import AFTER_S, BEFORE_S, IMPACT_BAND, NEIGHBOURS
-from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, Weights, rows_of
+from modallab.gap.conditioning.rows import DataPiece, ImpactData, Reduced, Rows, SineData, Weights, rows_of
 from modallab.gap.model.fit import GENERATOR
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import nuisances
@@ -168,8 +168,8 @@ def _planned_hits(
     power = plan.hits * np.abs(F) ** 2
     source = HitsAtPoint(lines, n, dt, np.array([force]), np.array([start]), (F.conj() / np.abs(F) ** 2)[None])
     sigma = weights.sigma(rig, "impact", lines, n, dt) * np.sqrt(n / 2 / power)
-    noise = weights.force(rig, "impact") * np.sqrt(len(force) / 2 / power)
-    piece = Piece(f"impact_p{point:02d}", order, rig.x_of(point), None, ())
+    noise = weights.force_noise(rig, "impact") * np.sqrt(len(force) / 2 / power)
+    piece = DataPiece(f"impact_p{point:02d}", order, rig.x_of(point), None, ())
     return ImpactData(piece, source, _empty_answer(sigma)), noise
 
 
@@ -199,7 +199,7 @@ def _planned_sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> 
     )
     # Lines below the first are those above it again.
     sigma[:, lines.ravel() == 0] = np.inf
-    noise = np.where(offsets == 0, weights.force(rig, "sine") * np.sqrt(2 / n), 0.0) / np.abs(force)[:, None]
+    noise = np.where(offsets == 0, weights.force_noise(rig, "sine") * np.sqrt(2 / n), 0.0) / np.abs(force)[:, None]
     x = rig.x_of(rig.shaker_point)
-    pieces = tuple(Piece(f"sine_{v}_{hz:.3f}", order + i, x, v, ()) for i, (v, _, hz) in enumerate(pairs))
+    pieces = tuple(DataPiece(f"sine_{v}_{hz:.3f}", order + i, x, v, ()) for i, (v, _, hz) in enumerate(pairs))
     return SineData(pieces, source, _empty_answer(sigma), 1.0, GENERATOR), noise.ravel()

@@ -23,7 +23,7 @@ from modallab.gap.export.mjcf import mujoco_simulation, write_mjcf
 from modallab.gap.export.modal_file import read_modal, write_modal
 from modallab.gap.export.state_space import read_state_space, state_space, write_state_space
 from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
-from modallab.gap.report.measure import BARE, closed_share
+from modallab.gap.report.measure import BARE, share_of_gap_closed
 from modallab.gap.simulations.simulated_records import Simulate, simulated_records, simulation_residual
 from modallab.twin.bench import Twin
 
@@ -119,7 +119,7 @@ def measure_form(
         form=form.name,
         before=before,
         after=after,
-        closed=closed_share(before, after) if before**2 - 1 > BARE else None,
+        closed=share_of_gap_closed(before, after) if before**2 - 1 > BARE else None,
         twin_after=simulation_residual(campaign, own).gap,
         records=sorted(used),
     )

@@ -157,7 +157,7 @@ class _Projection:
 
     def __init__(self, d: ImpactData, top: float) -> None:
         keep = d.source.lines / (d.source.n * d.source.dt) < top
-        self.source = d.source.kept(keep)
+        self.source = d.source.on_lines(keep)
         y, sigma = d.rows.y[:, keep], d.rows.sigma[:, keep]
         self.used = np.all(np.isfinite(sigma), axis=1)
         y, sigma = y[self.used], sigma[self.used]

@@ -119,8 +119,8 @@ class Compared:
         """
         freedom = freedoms_of(self.model, self.rig)[0][output]
         places = np.stack([along_m @ self.shapes.tangents(freedom), np.zeros(3)])
-        there, here = self.shapes.moved(freedom, places)
-        unknown = off * self.shapes.uncertain(freedom, places[:1])[0]
+        there, here = self.shapes.shapes_beside(freedom, places)
+        unknown = off * self.shapes.uncertainty_beside(freedom, places[:1])[0]
         return np.asarray(there - here + unknown)
 
     def rows_of(self, output: int, along_m: Real) -> Real:

@@ -199,7 +199,7 @@ def candidates_nearby(c: Compared, found: Candidate, v: Real, count: int) -> lis
     here = c.shapes.at_m[c.shapes.index(first)] + offset
     others = [o for o in _on_points(c, found.effect) if o.freedoms != found.freedoms and o.freedoms[0][1] == first[1]]
     others.sort(key=lambda o: float(np.linalg.norm(c.shapes.at_m[c.shapes.index(o.freedoms[0])] - here)))
-    psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in found.freedoms])
+    psi = np.concatenate([c.shapes.shapes_beside(f, offset[None]) for f in found.freedoms])
     felt = _felt(c, found.effect, psi.T)
     sizes = [v[0] + np.log(felt / _seen(c, o.effect, o.freedoms)) for o in others[:count]]
     return [(o, np.append(size, o.centre[1:])) for o, size in zip(others, sizes, strict=False)]
@@ -211,13 +211,13 @@ def _hanging(
     outputs, inputs = _numbers(c, group)
     at = [c.shapes.index(f) for f in group]
     seen, driven = c.shapes.seen[:, at].T, c.shapes.driven[:, at].T
-    here = np.concatenate([c.shapes.moved(f, np.zeros((1, 3))) for f in group])
+    here = np.concatenate([c.shapes.shapes_beside(f, np.zeros((1, 3))) for f in group])
 
     def make(v: Real, _: Compared) -> Change:
         offset = v[1:3] @ tangents
-        away = np.concatenate([c.shapes.moved(f, offset[None]) for f in group]) - here
+        away = np.concatenate([c.shapes.shapes_beside(f, offset[None]) for f in group]) - here
         # Between the points the shapes are known within a deviation: the farther from them the less.
-        uncertain = np.concatenate([c.shapes.uncertain(f, offset[None]) for f in group])
+        uncertain = np.concatenate([c.shapes.uncertainty_beside(f, offset[None]) for f in group])
         away += v[5:].reshape(uncertain.shape) * uncertain
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         return Change(

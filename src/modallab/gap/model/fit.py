@@ -110,7 +110,7 @@ class Problem:
     def residual_of(self, twin: Twin, answers: Sequence[Complex]) -> Real:
         """The same of a twin whose answers are known."""
         parts = [
-            with_relative_noise(rows, self.floor).whiten(rows.y - y).ravel()
+            with_relative_noise(rows, self.floor).in_noise_units(rows.y - y).ravel()
             for rows, y in zip(all_rows(self.data), answers, strict=True)
         ]
         values = np.concatenate(parts)

@@ -13,7 +13,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, hit_with_filter_ringing, onset_of_sines
-from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, SineData
+from modallab.gap.conditioning.rows import DataPiece, ImpactData, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import to_signals
@@ -69,7 +69,7 @@ def impact_residue(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
 
 
-def driven_at(twin: Twin, piece: Piece) -> tuple[float, float]:
+def driven_at(twin: Twin, piece: DataPiece) -> tuple[float, float]:
     """Place of the force in m, and what the beam gets of it over what is read: a shaker is screwed on, a hit is not."""
     x = piece.drive_x_m
     return (x, 1.0) if piece.by_shaker else (twin.struck_x_m(x), twin.hit_gain(x))

@@ -165,7 +165,7 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
     rows, at = np.zeros((len(twins), size)), 0
     half = sum(w.y.size for w in weights)
     for w, y in zip(weights, changes, strict=True):
-        values, own = w.whiten(y).reshape(len(twins), -1), slice(at, at + w.y.size)
+        values, own = w.in_noise_units(y).reshape(len(twins), -1), slice(at, at + w.y.size)
         rows[:, own], rows[:, half + at : half + own.stop] = values.real, values.imag
         at = own.stop
     rows *= -1.0 / STEP

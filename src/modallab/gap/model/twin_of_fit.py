@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.conditioning.rows import Piece, Reduced
+from modallab.gap.conditioning.rows import DataPiece, Reduced
 from modallab.gap.model.fit import Fit, Problem, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import STEP, minimise
@@ -59,7 +59,7 @@ def improved_curve(fit: Fit) -> tuple[tuple[float, float], ...]:
 def _by_piece(problem: Problem, u: Real, drift_curve: tuple[tuple[float, float], ...]) -> list[Real]:
     twin = replace(problem.twin(u), drift_curve=drift_curve)
     answers = forward(twin, problem.data)
-    parts = [rows.whiten(rows.y - y) for rows, y in zip(all_rows(problem.data), answers, strict=True)]
+    parts = [rows.in_noise_units(rows.y - y) for rows, y in zip(all_rows(problem.data), answers, strict=True)]
     pieces = list(parts[: len(problem.data.impacts)])
     if problem.data.sines is not None:
         shape = (parts[-1].shape[0], *problem.data.sines.source.lines.shape)
@@ -67,7 +67,7 @@ def _by_piece(problem: Problem, u: Real, drift_curve: tuple[tuple[float, float],
     return [np.concatenate([p.real.ravel(), p.imag.ravel()]).astype(np.float64) for p in pieces]
 
 
-def _sine_pieces(fit: Fit) -> tuple[Piece, ...]:
+def _sine_pieces(fit: Fit) -> tuple[DataPiece, ...]:
     sines = fit.problem.data.sines
     return sines.pieces if sines is not None else ()
 

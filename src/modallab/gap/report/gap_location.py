@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import FoundEffect, GapLocation, Verdict
-from modallab.core.digits import part_of
+from modallab.core.digits import share_text
 from modallab.core.effect import rows_of, x_m_of
 from modallab.core.effects import Stage, kind_of
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import ResidualTestsResult
-from modallab.gap.report.measure import band_of, closed_share, share_within, shares_by_frequency
+from modallab.gap.report.measure import band_of, share_of_gap_closed, share_within, shares_by_frequency
 from modallab.gap.search.choose import Choice
 
 MOSTLY = 0.8
@@ -84,12 +84,12 @@ def _reasons_of_place(lead: FoundEffect, location: ResidualTestsResult | None, c
     if location.stage == lead.stage or not choice.fit.problem.candidates:
         return list(location.why)
     residual_says = f"Tests on the residual indicated the {location.stage}: {' '.join(location.why)}"
-    explained = closed_share(choice.base.gap, choice.fit.gap)
+    explained = share_of_gap_closed(choice.base.gap, choice.fit.gap)
     other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
-    best = max((closed_share(choice.base.gap, f.gap) for f in other), default=0.0)
+    best = max((share_of_gap_closed(choice.base.gap, f.gap) for f in other), default=0.0)
     return [
-        f"Models of the {lead.stage} explain {part_of(explained)} of the gap, those of other stages no more than "
-        f"{part_of(max(best, 0.0))}.",
+        f"Models of the {lead.stage} explain {share_text(explained)} of the gap, those of other stages no more than "
+        f"{share_text(max(best, 0.0))}.",
         residual_says,
     ]
 

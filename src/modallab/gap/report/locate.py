@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.core.digits import part_of, percent_text, relative_change, three_digits
+from modallab.core.digits import percent_text, relative_change, share_text, three_digits
 from modallab.core.effects import Stage
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced, Rows
@@ -61,7 +61,7 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> ResidualT
                 "acquisition", alone, tests, (f"{names} repeats samples exactly, which no motion does.",)
             )
         return ResidualTestsResult(
-            "sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap disappears.",)
+            "sensor", alone, tests, (f"Without {names} {share_text(1 - cured)} of the gap disappears.",)
         )
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
@@ -121,9 +121,7 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
         return ResidualTestsResult("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
-        reason = (
-            f"One real factor on all channels and lines removes {part_of(1 - flat)} of the gap: the gain of the force."
-        )
+        reason = f"One real factor on all channels and lines removes {share_text(1 - flat)} of the gap: the gain of the force."
         return ResidualTestsResult("sensor", (force,), tests, (*why, reason))
     late = delay_share(base)
     if late > LATE:

@@ -68,7 +68,7 @@ def residuals_of_twin(twin: Twin, data: Reduced) -> list[Complex]:
 
 def residuals_of_predictions(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
     """The same of any answers, in the order of `forward`."""
-    return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), answers, strict=True)]
+    return [rows.in_noise_units(rows.y - y) for rows, y in zip(all_rows(data), answers, strict=True)]
 
 
 def squared_residuals(twin: Twin, data: Reduced) -> SquaredResiduals:
@@ -188,7 +188,7 @@ BARE = 0.02
 """Excess above the floor below which there is nothing to shrink."""
 
 
-def closed_share(before: float, after: float) -> float:
+def share_of_gap_closed(before: float, after: float) -> float:
     """Share of the reducible gap that is closed: 1 - (after^2 - 1) / (before^2 - 1)."""
     return 1 - (after**2 - 1) / (before**2 - 1)
 
@@ -220,7 +220,7 @@ def shrinkage_with_interval(
     ok = g0 - 1 > 0.05 * (before.gap**2 - 1)
     values = 1 - (g1[ok] - 1) / (g0[ok] - 1)
     low, high = np.quantile(values, [0.025, 0.975]) if len(values) > 20 else (-np.inf, 1.0)
-    share = closed_share(before.gap, after.gap)
+    share = share_of_gap_closed(before.gap, after.gap)
     return Shrinkage(
         held_out=held_out,
         before=before.gap,

@@ -13,6 +13,6 @@ def channel_share(fit: Fit) -> Real:
     twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
     total = np.zeros(len(fit.problem.data.channels))
     for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
-        r = with_relative_noise(rows, floor / 3).whiten(rows.y - y)
+        r = with_relative_noise(rows, floor / 3).in_noise_units(rows.y - y)
         total += np.sum(np.minimum(np.abs(r) ** 2, 400.0), axis=1)
     return total / max(float(np.sum(total)), 1e-300)

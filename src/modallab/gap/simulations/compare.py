@@ -23,7 +23,7 @@ from modallab.gap.conditioning.noise import noise_of_rig_file
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.design.prediction import Records, predict_records, with_records
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.measure import BARE, closed_share
+from modallab.gap.report.measure import BARE, share_of_gap_closed
 from modallab.gap.simulations.simulated_records import simulation_residual
 
 SEED = 20240502
@@ -108,7 +108,7 @@ def compare_simulation(
         verdict=_comparison_verdict(raw.gap, known, simulation, bool(lacks or has or differs)),
         before=raw.gap,
         after=corrected.gap,
-        closed=closed_share(raw.gap, corrected.gap) if raw.gap**2 - 1 > BARE else None,
+        closed=share_of_gap_closed(raw.gap, corrected.gap) if raw.gap**2 - 1 > BARE else None,
         records=sorted(names),
         by_channel=raw.by(channels),
         after_by_channel=corrected.by(channels),

@@ -68,7 +68,7 @@ class MissingForce:
         self._priors = problem.priors(fit.u)
         self._parts = _split_slopes(self._data, J)
         self._residual = [
-            np.where(np.isfinite(d.rows.sigma), d.rows.whiten(d.rows.y - y), 0j)
+            np.where(np.isfinite(d.rows.sigma), d.rows.in_noise_units(d.rows.y - y), 0j)
             for d, y in zip(self._data.impacts, answers, strict=True)
         ]
         self._ringing_at_end = [_ringing_at_end(self._twin, self._modes, d, self._data) for d in self._data.impacts]
@@ -137,7 +137,7 @@ class MissingForce:
             * chain_transfer(self._twin.chain, self._data.channels, s)
             * self._compliance(self._sensors(), place, s)
         )
-        return np.where(np.isfinite(d.rows.sigma), d.rows.whiten(y), 0j)
+        return np.where(np.isfinite(d.rows.sigma), d.rows.in_noise_units(y), 0j)
 
     def _motion(self, d: ImpactData, place: float, force: Complex) -> Complex:
         twin, s = self._twin, with_clock_error(d.source, self._twin).s
@@ -187,7 +187,7 @@ def _ringing_at_end(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) 
     for p in range(len(poles)):
         up, down = np.outer(amplitude[:, p], tail[p]), np.outer(conjugate[:, p], tail_conj[p])
         for column in (up + down, 1j * (up - down)):
-            white: Complex = np.where(np.isfinite(d.rows.sigma), d.rows.whiten(column), 0j)
+            white: Complex = np.where(np.isfinite(d.rows.sigma), d.rows.in_noise_units(column), 0j)
             columns.append(white / max(float(np.linalg.norm(white)), 1e-300))
     shape = (0, *d.rows.y.shape)
     return np.array(columns) if columns else np.zeros(shape, dtype=np.complex128)

@@ -101,21 +101,21 @@ def _channel_in_words(channel: int | tuple[int, int], channels: Sequence[str]) -
     return f"on channel{'s' * (len(rows) > 1)} {list_in_words([str(row) for row in rows])}"
 
 
-def spoken_effect(change: FoundChange) -> str:
+def effect_phrase(change: FoundChange) -> str:
     """An effect on a measured structure: "added mass"; a spring between two points has no part in the ground."""
     spoken = model_of(change.effect).spoken
     return spoken.removeprefix("ground ") if isinstance(change.place, BetweenPoints) else spoken
 
 
-def spoken_change(change: FoundChange) -> str:
+def change_with_place(change: FoundChange) -> str:
     """The same with its place: "added mass near point 12"."""
-    return f"{spoken_effect(change)} {place_of_change(change)}"
+    return f"{effect_phrase(change)} {place_of_change(change)}"
 
 
 def with_numbers(change: FoundChange) -> str:
     """The same with its numbers, their intervals and its probability."""
     numbers = (f"{name} {value} ({interval})" for name, value, interval in numbers_of(change))
-    return f"{spoken_change(change)}: {', '.join(numbers)}, probability {probability_text(change.probability)}"
+    return f"{change_with_place(change)}: {', '.join(numbers)}, probability {probability_text(change.probability)}"
 
 
 def place_of_change(change: FoundChange) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import Diagnosis, FoundEffect, Gap, ResponseShare
-from modallab.core.digits import list_in_words, part_of, percent_text, probability_text, three_digits
+from modallab.core.digits import list_in_words, percent_text, probability_text, share_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.simulations.compare import SimulationComparison
@@ -43,7 +43,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
 
 
 def _closes_gap(share: float | None) -> str:
-    return "" if share is None else f", which closes {part_of(share)} of the gap on held-out records"
+    return "" if share is None else f", which closes {share_text(share)} of the gap on held-out records"
 
 
 def _behaviour_sentence(diagnosis: Diagnosis) -> str:
@@ -122,7 +122,7 @@ def sentence_of_simulation(found: SimulationComparison) -> str:
     off = f"The simulation differs from the bench by {before} noise units"
     if found.verdict == "unknown":
         return f"{off}, and part of the difference stays unexplained."
-    share = "" if found.closed is None else f"that closes {part_of(found.closed)} of the gap, "
+    share = "" if found.closed is None else f"that closes {share_text(found.closed)} of the gap, "
     return (
         f"{off}: {'; '.join(_differences_in_words(found))}. Corrected, it is {after} off; {share}on "
         f"{_records_verdict(found)}."

@@ -5,7 +5,7 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.digits import significant_digits, with_hard_blanks
+from modallab.core.digits import significant_digits, with_nonbreaking_spaces
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.reporting.figures.mode_shapes import BeamShape, beam_shape, smooth_curve
@@ -39,7 +39,7 @@ def _moving_picture(mode: int, frequency_hz: float, found: BeamShape, clamped: b
     name = f"Mode {mode + 1}, {significant_digits(frequency_hz)} Hz"
     caption = html_element(
         "figcaption",
-        html_element("b", with_hard_blanks(name)),
+        html_element("b", with_nonbreaking_spaces(name)),
         html_element("br"),
         f"shown {significant_digits(slower, 2)} times slower",
     )

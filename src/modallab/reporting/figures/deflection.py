@@ -12,7 +12,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.modification.deflection import turn_to_real
-from modallab.modification.mesh import Skeleton
+from modallab.modification.mesh import Wireframe
 from modallab.reporting.figures import style
 from modallab.reporting.figures.wireframe import drawing_projection, is_spatial
 
@@ -87,9 +87,9 @@ def project_shape(rig: Rig, motion: Complex128, reach: float) -> tuple[Real, Com
         motion: (points, 3) complex, along x, y, z.
         reach: motion that is drawn as `REACH` of the structure's size.
     """
-    skeleton = Skeleton.of(rig)
+    skeleton = Wireframe.of(rig)
     xyz = skeleton.places_m
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
     flat = drawing_projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
-    moved = np.asarray(skeleton.moved(motion) @ flat, np.complex128) * (REACH * size / reach)
+    moved = np.asarray(skeleton.displaced(motion) @ flat, np.complex128) * (REACH * size / reach)
     return xyz @ flat, moved, list(skeleton.lines)

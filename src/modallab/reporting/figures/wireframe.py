@@ -8,7 +8,7 @@ from importlib.resources import files
 import numpy as np
 
 from modallab.core.arrays import Complex128, Real
-from modallab.core.digits import significant_digits, with_hard_blanks
+from modallab.core.digits import significant_digits, with_nonbreaking_spaces
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.deflection import motion_at_points, shapes_at_freedoms, turn_to_real
@@ -117,7 +117,7 @@ def _wireframe_picture(
         f'<path class="faces" d="{shaded}"/>'
         f'<path class="rest" d="{still}"/><path class="beam" d="{joined}"/><path class="dots" d="{dots}"/></svg>'
     )
-    return html_element("figure", drawing, html_element("figcaption", html_element("b", with_hard_blanks(name))))
+    return html_element("figure", drawing, html_element("figcaption", html_element("b", with_nonbreaking_spaces(name))))
 
 
 def _json_numbers(values: object) -> str:

@@ -11,7 +11,7 @@ from modallab.core.digits import (
     relative_difference,
     rounded_to_sigma,
     significant_digits,
-    with_hard_blanks,
+    with_nonbreaking_spaces,
     with_sigma,
 )
 from modallab.reporting.compare import ComparedMode, ModeReading, agreement_verdict, joint_deviations
@@ -65,7 +65,7 @@ def _modes_not_found(content: ReportContent, modes: tuple[ComparedMode, ...]) ->
 
 def _notes_list(content: ReportContent) -> Markup | None:
     notes = [f"{(m.test or 'FRFs').capitalize()}: {note}" for m in content.models for note in m.notes]
-    return html_element("ul", *(html_element("li", with_hard_blanks(n)) for n in notes)) if notes else None
+    return html_element("ul", *(html_element("li", with_nonbreaking_spaces(n)) for n in notes)) if notes else None
 
 
 def _no_model_sentence(content: ReportContent) -> str:

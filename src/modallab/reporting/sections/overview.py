@@ -5,7 +5,7 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import four_places, in_sigmas, list_in_words, significant_digits, with_hard_blanks
+from modallab.core.digits import four_places, in_sigmas, list_in_words, significant_digits, with_nonbreaking_spaces
 from modallab.reporting.compare import ComparedMode, agreement_verdict
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element
@@ -32,7 +32,9 @@ def overview_list(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Ma
 
 def _list_line(good: bool, text: str) -> Markup:
     mark = html_element("i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to check:")
-    return html_element("li", mark, html_element("span", with_hard_blanks(text)), class_="good" if good else "look")
+    return html_element(
+        "li", mark, html_element("span", with_nonbreaking_spaces(text)), class_="good" if good else "look"
+    )
 
 
 def _modes_known(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:

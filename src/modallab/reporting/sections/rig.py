@@ -9,7 +9,7 @@ from modallab.core.digits import (
     list_in_words,
     short_number,
     significant_digits,
-    with_hard_blanks,
+    with_nonbreaking_spaces,
 )
 from modallab.core.hardware import Certificate
 from modallab.core.rig import Beam, Channel, Rig
@@ -117,8 +117,8 @@ def _recordings_row(test: Test, blocks: tuple[Block, ...]) -> tuple[str, ...]:
     return (
         test,
         str(len(blocks)),
-        with_hard_blanks(f"{list_in_words([short_number(v) for v in lengths])} s"),
-        with_hard_blanks(f"{list_in_words([short_number(v) for v in sorted({b.rate_hz for b in blocks})])} Hz"),
+        with_nonbreaking_spaces(f"{list_in_words([short_number(v) for v in lengths])} s"),
+        with_nonbreaking_spaces(f"{list_in_words([short_number(v) for v in sorted({b.rate_hz for b in blocks})])} Hz"),
         f"{'point' if len(points) == 1 else 'points'} {list_in_words([str(p) for p in points])}"
         if points
         else "not given",

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from modallab.core.digits import with_hard_blanks
+from modallab.core.digits import with_nonbreaking_spaces
 from modallab.reporting.figures.svg import svg_panels
 from modallab.reporting.markup import Markup, html_element
 
@@ -59,11 +59,11 @@ def captioned_figure(figure: Figure, name: str, alt: str, caption: str, columns:
     return html_element(
         "figure",
         svg_panels(figure, name, alt, columns),
-        html_element("figcaption", with_hard_blanks(caption)),
+        html_element("figcaption", with_nonbreaking_spaces(caption)),
         class_="plate",
     )
 
 
 def paragraph(text: str) -> Markup:
     """Plain text."""
-    return html_element("p", with_hard_blanks(text))
+    return html_element("p", with_nonbreaking_spaces(text))

@@ -11,7 +11,7 @@ from modallab.core.digits import (
     list_in_words,
     significant_digits,
     three_digits,
-    with_hard_blanks,
+    with_nonbreaking_spaces,
 )
 from modallab.reporting.compare import ComparedMode, agreement_verdict, joint_deviations
 from modallab.reporting.content import ReportContent
@@ -22,7 +22,7 @@ MATCH = 0.9
 
 def summary_sentence(content: ReportContent, modes: tuple[ComparedMode, ...]) -> str:
     """What was found, in one sentence."""
-    return with_hard_blanks(_sentence_of_modes(content, modes))
+    return with_nonbreaking_spaces(_sentence_of_modes(content, modes))
 
 
 def _sentence_of_modes(content: ReportContent, modes: tuple[ComparedMode, ...]) -> str:

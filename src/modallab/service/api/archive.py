@@ -12,7 +12,7 @@ from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.runs import record_of, run_view
 from modallab.service.context import Service
-from modallab.service.records.archive import Archive
+from modallab.service.records.archive import ArchivedRecords
 from modallab.service.records.event_log import EventTopic
 
 router = make_router("archive")
@@ -22,21 +22,21 @@ _CHANGES = documented_responses(404, 409, 507)
 @router.post("/campaigns/{campaign}/archive", dependencies=ONCE, responses=_CHANGES)
 def archive_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Leave a campaign out of lists. It can be read and exported as before; nothing is added until it is restored."""
-    Archive(service.engine).archive("campaign", campaign, operator)
+    ArchivedRecords(service.engine).archive("campaign", campaign, operator)
     return _set_campaign_aside(service, campaign, "archived", operator)
 
 
 @router.delete("/campaigns/{campaign}", responses=_CHANGES)
 def delete_campaign(campaign: str, service: ServiceOf, operator: Operator, request: Request) -> CampaignView:
     """Delete a campaign with its runs. Until `purge_utc` it can be restored."""
-    Archive(service.engine).delete("campaign", campaign, operator, _grace_of_request(request))
+    ArchivedRecords(service.engine).delete("campaign", campaign, operator, _grace_of_request(request))
     return _set_campaign_aside(service, campaign, "deleted", operator)
 
 
 @router.post("/campaigns/{campaign}/restore", dependencies=ONCE, responses=_CHANGES)
 def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Restore an archived or deleted campaign."""
-    Archive(service.engine).restore("campaign", campaign, operator)
+    ArchivedRecords(service.engine).restore("campaign", campaign, operator)
     return _set_campaign_aside(service, campaign, "restored", operator)
 
 
@@ -44,7 +44,7 @@ def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> C
 def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Leave a run out of lists, and out of results of its campaign unless it is named."""
     record_of(service, run)
-    Archive(service.engine).archive("run", run, operator)
+    ArchivedRecords(service.engine).archive("run", run, operator)
     return _set_run_aside(service, run, "archived", operator)
 
 
@@ -52,7 +52,7 @@ def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
 def delete_run(run: str, service: ServiceOf, operator: Operator, request: Request) -> RunView:
     """Delete a run that has ended. Until `purge_utc` it can be restored."""
     record_of(service, run)
-    Archive(service.engine).delete("run", run, operator, _grace_of_request(request))
+    ArchivedRecords(service.engine).delete("run", run, operator, _grace_of_request(request))
     return _set_run_aside(service, run, "deleted", operator)
 
 
@@ -60,7 +60,7 @@ def delete_run(run: str, service: ServiceOf, operator: Operator, request: Reques
 def restore_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Restore an archived or deleted run."""
     record_of(service, run)
-    Archive(service.engine).restore("run", run, operator)
+    ArchivedRecords(service.engine).restore("run", run, operator)
     return _set_run_aside(service, run, "restored", operator)
 
 

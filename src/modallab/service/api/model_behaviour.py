@@ -123,7 +123,7 @@ def _measured_of(service: Service, campaign: str, test: str | None) -> tuple[Tes
 @router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
 def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
     """The structure as points and lines, and its motion in each mode."""
-    from modallab.modification.mesh import Skeleton, motion_of, motion_without_scale
+    from modallab.modification.mesh import Wireframe, motion_of, motion_without_scale
 
     found = model_of_campaign(service, campaign, test)
     rig = service.store.catalogue.run(found.runs[0]).rig
@@ -132,7 +132,7 @@ def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> Shapes
         motion = motion_of(known.structure, rig, known.structure.psi)
     except DataError:
         motion = motion_without_scale(found.model, rig)
-    skeleton = Skeleton.of(rig)
+    skeleton = Wireframe.of(rig)
     return ShapesView.of_fields(found.model, skeleton, motion=motion)
 
 

@@ -28,7 +28,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.queueing import duration_s
-from modallab.service.campaigns.run_start import require_reasonable
+from modallab.service.campaigns.run_start import require_sensible_numbers
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, LeaseHeldError, NotFoundError
 from modallab.service.jobs.results import diagnosis_of_campaign
@@ -166,7 +166,7 @@ def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> P
     """Check whether the rig can run a plan; nothing moves, and no lease is needed."""
     controller = state_of(service, rig)
     try:
-        require_reasonable(plan, controller.rig)
+        require_sensible_numbers(plan, controller.rig)
         _require_possible(plan, controller)
     except (PlanError, RigError, ConfigurationError) as error:
         return PlanCheck(problems=(error.what,), blocks=0, duration_s=0.0)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Jobs
-from modallab.service.records.archive import Archive, Kind
+from modallab.service.records.archive import ArchivedRecords, Kind
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 from modallab.storage.campaigns import RemovableRun, remove_samples
@@ -41,7 +41,7 @@ class PurgeTimer:
         """
         engine = store.catalogue.engine
         self._store = store
-        self._aside = Archive(engine)
+        self._aside = ArchivedRecords(engine)
         self._repository = CampaignRepository(engine)
         self._jobs = Jobs(engine)
         self._look_s = look_s
@@ -78,7 +78,7 @@ class PurgeTimer:
             self._delete_files(job)
 
     def _by(self, name: str, kind: Kind) -> str:
-        found = self._aside.run(name, "") if kind == "run" else self._aside.campaign(name)
+        found = self._aside.state_of_run(name, "") if kind == "run" else self._aside.state_of_campaign(name)
         return "somebody" if found is None else found.operator
 
     def _delete_samples(self, runs: Iterable[str], reason: str) -> None:

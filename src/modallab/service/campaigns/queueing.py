@@ -10,7 +10,7 @@ from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.campaigns.run_start import require_plan
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
-from modallab.service.records.archive import Archive
+from modallab.service.records.archive import ArchivedRecords
 from modallab.service.records.event_log import EventTopic
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.control import ControllerState
@@ -35,7 +35,7 @@ def queue_run(service: Service, rig: ControllerState, new: QueueItemRequest, ope
         raise ConflictError(
             f"campaign {campaign.id} is of rig {campaign.rig}, not of {rig.id}", where="campaign", remedy="name another"
         )
-    Archive(service.engine).require_present(new.campaign)
+    ArchivedRecords(service.engine).require_present(new.campaign)
     require_plan(new.plan, rig)
     item = RunQueue(service.engine).add(rig.id, new, duration_s(new.plan), operator)
     _notify_queue(service, rig.id, item=item.id, state=item.state, operator=operator)

@@ -12,7 +12,7 @@ from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.records.archive import Archive
+from modallab.service.records.archive import ArchivedRecords
 from modallab.service.records.repository import RunKey
 from modallab.service.rigs.control import ControllerState, StartRun, transition_error
 from modallab.storage.durable import planned_blocks, require_room, require_space
@@ -46,7 +46,7 @@ def begin_run(service: Service, campaign: str, new: RunRequest, lease: str | Non
     if controller is None:
         raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
     service.leases.require(entry.rig, lease)
-    Archive(service.engine).require_present(campaign)
+    ArchivedRecords(service.engine).require_present(campaign)
     plan = _complete_plan(service, campaign, new)
     require_plan(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
@@ -67,7 +67,7 @@ def _complete_plan(service: Service, campaign: str, new: RunRequest) -> Plan:
         raise NotFoundError(
             f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="read the list of its runs"
         )
-    aside = Archive(service.engine).run(new.continues, "")
+    aside = ArchivedRecords(service.engine).state_of_run(new.continues, "")
     if aside is not None and aside.state != "archived":
         raise ConflictError("a deleted run cannot be continued", where="continues", remedy="restore it first")
     record = service.store.catalogue.run(new.continues)
@@ -92,7 +92,7 @@ def require_plan(plan: Plan, controller: ControllerState) -> None:
     Raises:
         PlanError: what is wrong with it.
     """
-    require_reasonable(plan, controller.rig)
+    require_sensible_numbers(plan, controller.rig)
     # The controller says better what is wrong with a bench that is not open.
     if controller.info is not None:
         require_possible(plan, controller.rig, controller.info)
@@ -138,7 +138,7 @@ def _complete() -> ConflictError:
     return ConflictError("the run has completed its plan", where="continues", remedy="send a plan with the request")
 
 
-def require_reasonable(plan: Plan, rig: Rig) -> None:
+def require_sensible_numbers(plan: Plan, rig: Rig) -> None:
     """Reject numbers that are not finite, or beyond all that a bench could be asked for.
 
     Raises:

@@ -9,7 +9,7 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.background import IdentificationAfterRun
 from modallab.service.records import audit
-from modallab.service.records.archive import Archive, archive_state
+from modallab.service.records.archive import ArchivedRecords, archive_state
 from modallab.service.records.event_log import EventTopic
 from modallab.service.rigs.control import legal_next_states
 from modallab.storage.engine import read_transaction
@@ -42,7 +42,7 @@ def run_view(service: Service, run: str) -> RunView:
     record = record_of(service, run)
     entry = service.repository.run_entry(run)
     blocks = service.store.catalogue.blocks(run)
-    aside = None if entry is None else Archive(service.engine).run(run, entry.campaign)
+    aside = None if entry is None else ArchivedRecords(service.engine).state_of_run(run, entry.campaign)
     return RunView.of_fields(
         record,
         campaign=None if entry is None else entry.campaign,

@@ -18,7 +18,7 @@ STEP = 0.02
 PAGE = 100
 
 
-class JobWatch:
+class JobChangeLog:
     """Looks at the open jobs, and logs what has changed since."""
 
     def __init__(self, engine: Engine, jobs: Jobs, log: EventLog) -> None:

@@ -7,7 +7,7 @@ from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archive import Archive
+from modallab.service.records.archive import ArchivedRecords
 from modallab.storage.records import ENDED
 
 
@@ -19,7 +19,7 @@ def order_job(service: Service, campaign: str, kind: JobKind, new: JobRequest, o
         ConflictError: no run that could be used, or the campaign is archived or deleted.
         JobError: parameters that cannot be kept.
     """
-    Archive(service.engine).require_present(campaign)
+    ArchivedRecords(service.engine).require_present(campaign)
     runs = _runs(service, campaign, new.runs)
     parse_parameters(kind, new.parameters)
     job = service.jobs.submit(kind, dict(new.parameters), runs, service.store.revision(runs))
@@ -37,7 +37,7 @@ def order_estimate(service: Service, run: str, operator: str) -> Job:
     entry = service.repository.run_entry(run)
     if entry is None:
         raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="read the list of runs of a campaign")
-    Archive(service.engine).require_present(entry.campaign)
+    ArchivedRecords(service.engine).require_present(entry.campaign)
     if not _counts(service, run):
         raise ConflictError("the run has no good block yet", where=run, remedy="wait for the first good block")
     job = service.jobs.submit("estimate", {"as_of": service.store.revision((run,))}, (run,))
@@ -107,10 +107,10 @@ def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
     for job in jobs:
         if job.state == "done":
             return job_file(service, job, name)
-    raise none_yet(f"campaign {campaign}", campaign, kind, next(iter(jobs), None))
+    raise missing_result_error(f"campaign {campaign}", campaign, kind, next(iter(jobs), None))
 
 
-def none_yet(whose: str, campaign: str, kind: str, newest: Job | None) -> NotFoundError:
+def missing_result_error(whose: str, campaign: str, kind: str, newest: Job | None) -> NotFoundError:
     """What to raise where no job of a kind is done; `newest` is one that is not."""
     noun, order_at = _NOUN.get(kind, kind), f"POST to /api/v1/campaigns/{campaign}/{_RESOURCE[kind]}"
     if newest is None:

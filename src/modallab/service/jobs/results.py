@@ -22,7 +22,7 @@ from modallab.core.units import TESTS, Test
 from modallab.jobs import Job
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
-from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, none_yet
+from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, missing_result_error
 
 if TYPE_CHECKING:
     from modallab.modification.known import KnownStructure
@@ -156,7 +156,7 @@ def _only_of_run(models: ModelsView, run: str) -> ModalModel:
 def _done_jobs(whose: str, campaign: str, kind: str, jobs: Sequence[Job]) -> list[Job]:
     found = [job for job in jobs if job.state == "done"]
     if not found:
-        raise none_yet(whose, campaign, kind, next(iter(jobs), None))
+        raise missing_result_error(whose, campaign, kind, next(iter(jobs), None))
     return found
 
 

@@ -20,7 +20,7 @@ from modallab.core.settings import Settings
 from modallab.jobs import Jobs
 from modallab.service.campaigns.purge import PurgeTimer
 from modallab.service.errors import ServiceError
-from modallab.service.jobs.background import IdentificationAfterRun, JobWatch
+from modallab.service.jobs.background import IdentificationAfterRun, JobChangeLog
 from modallab.service.process.child_processes import HeartbeatTimer, ProcessList, SupervisedProcess
 from modallab.service.process.connections import bound_socket, port_taken_error, raise_connection_limit
 from modallab.service.process.process_messages import CallServer
@@ -78,7 +78,7 @@ class ServiceSupervisor:
         log = EventLog(self.store.catalogue.engine, self._new_events)
         run_log = self._run_log = RunLog(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
-        self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
+        self._watch = JobChangeLog(self.store.catalogue.engine, jobs, log)
         after = IdentificationAfterRun(self.store, jobs)
         self._recovery = RunRecovery(run_log, after)
         self._recovery.check_now()

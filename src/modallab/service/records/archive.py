@@ -54,7 +54,7 @@ def archive_state(aside: ArchiveEntry | None) -> ArchiveState:
     return {"deleted_utc": aside.utc, "purge_utc": aside.purge_utc}
 
 
-class Archive:
+class ArchivedRecords:
     """What is set aside. A run of a campaign that is, is so with it."""
 
     def __init__(self, engine: Engine) -> None:
@@ -99,12 +99,12 @@ class Archive:
             _mark_changed(connection, campaign)
             audit.add_audit_note(connection, operator, f"restore-{kind}", name, {})
 
-    def run(self, run: str, campaign: str) -> ArchiveEntry | None:
+    def state_of_run(self, run: str, campaign: str) -> ArchiveEntry | None:
         """How a run was set aside, by itself or with its campaign; None if it was not."""
         with read_transaction(self._engine) as connection:
             return archive_entry(connection, "run", run) or archive_entry(connection, "campaign", campaign)
 
-    def campaign(self, campaign: str) -> ArchiveEntry | None:
+    def state_of_campaign(self, campaign: str) -> ArchiveEntry | None:
         """How a campaign was set aside; None if it was not."""
         with read_transaction(self._engine) as connection:
             return archive_entry(connection, "campaign", campaign)
@@ -115,7 +115,7 @@ class Archive:
         Raises:
             ConflictError: it is.
         """
-        found = self.campaign(campaign)
+        found = self.state_of_campaign(campaign)
         if found is not None:
             raise ConflictError(f"the campaign is {found.state}", where=campaign, remedy="restore it first")
 
@@ -170,7 +170,7 @@ def archive_notes(connection: Connection, kind: Kind, names: Sequence[str]) -> d
     return {row["id"]: ArchiveEntry(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
 
 
-def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]:
+def names_left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]:
     """Names of what is left out of a list, unless it was asked for."""
     states = ([] if archived else ["archived"]) + ([] if deleted else ["deleted", *_LOST])
     return select(SET_ASIDE.c.id).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.state.in_(states))

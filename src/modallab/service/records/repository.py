@@ -12,7 +12,7 @@ from modallab.core.documents.runs import CampaignChange, CampaignRequest, Campai
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archive import archive_notes, archive_state, left_out, restore_campaign_of_run
+from modallab.service.records.archive import archive_notes, archive_state, names_left_out, restore_campaign_of_run
 from modallab.storage.engine import next_number, read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
@@ -101,7 +101,7 @@ class CampaignRepository:
         Those that are archived or deleted only where they are asked for.
         """
         query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.seq.desc()).limit(limit)
-        query = query.where(CAMPAIGNS.c.id.not_in(left_out("campaign", archived=archived, deleted=deleted)))
+        query = query.where(CAMPAIGNS.c.id.not_in(names_left_out("campaign", archived=archived, deleted=deleted)))
         if rig:
             query = query.where(CAMPAIGNS.c.rig == rig)
         if text:
@@ -258,7 +258,7 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
     recorded = (
         select(CAMPAIGN_RUNS.c.campaign, CAMPAIGN_RUNS.c.run)
         .where(CAMPAIGN_RUNS.c.campaign.in_(names))
-        .where(CAMPAIGN_RUNS.c.run.not_in(left_out("run", archived=False, deleted=False)))
+        .where(CAMPAIGN_RUNS.c.run.not_in(names_left_out("run", archived=False, deleted=False)))
         .order_by(CAMPAIGN_RUNS.c.seq)
     )
     runs: dict[str, list[str]] = {name: [] for name in names}
@@ -280,6 +280,6 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
 def _runs(connection: Connection, campaign: str, *, archived: bool, deleted: bool) -> tuple[str, ...]:
     query = select(CAMPAIGN_RUNS.c.run).where(
         CAMPAIGN_RUNS.c.campaign == campaign,
-        CAMPAIGN_RUNS.c.run.not_in(left_out("run", archived=archived, deleted=deleted)),
+        CAMPAIGN_RUNS.c.run.not_in(names_left_out("run", archived=archived, deleted=deleted)),
     )
     return tuple(connection.scalars(query.order_by(CAMPAIGN_RUNS.c.seq)))

@@ -127,7 +127,7 @@ LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
 
 
-def faults_of(block: Block, rig: Rig) -> tuple[SampleFault, ...]:
+def find_faults(block: Block, rig: Rig) -> tuple[SampleFault, ...]:
     """Faults of the chain in a block: overloads, dead channels, flat tops, held values, drop-outs, drift, lone values.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
