@@ -4,13 +4,13 @@ import multiprocessing
 import time
 
 from modallab.acquisition.process.owner_link import (
-    Abort,
+    AbortRun,
     CloseOrder,
     OwnerHeartbeat,
     OwnerLink,
     RunEnded,
     RunPlan,
-    Stop,
+    StopRun,
 )
 from modallab.acquisition.process.prepare_run import Order
 from modallab.core.plan import ImpactPlan
@@ -26,12 +26,12 @@ def waited_for(link: OwnerLink, order: Order, within_s: float = 5.0) -> bool:
 def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
     mine, theirs = multiprocessing.Pipe()
     link = OwnerLink(theirs)
-    mine.send(Abort())
+    mine.send(AbortRun())
     assert waited_for(link, "abort")
     mine.send(RunPlan(ImpactPlan(points=(1,))))
     assert link.next_plan() is not None
     assert link.next_order() is None
-    mine.send(Stop())
+    mine.send(StopRun())
     assert waited_for(link, "stop")
     mine.send(CloseOrder())
     assert link.next_plan() is None

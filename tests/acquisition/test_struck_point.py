@@ -140,7 +140,7 @@ def test_an_oblique_hit_after_good_ones_does_not_count(store: Store, link_rig: R
             strike = ScriptedHit(point, after_s=0.5, oblique_deg=angles.pop(0))
             inner = self._bench
             inner._excitation.strike(strike.hits(inner._now_s, link_rig.x_of(point)))  # type: ignore[attr-defined]
-            inner._stream.changed()  # type: ignore[attr-defined]
+            inner._stream.excitation_changed()  # type: ignore[attr-defined]
 
     with store.begin(PLAN, link_rig, bench.info) as recorder:
         run_plan(Oblique(bench, []), link_rig, PLAN, recorder, lambda _: None, expected=expected_modes(link_rig))  # type: ignore[arg-type]

@@ -117,7 +117,7 @@ def off_ppm(server: NiServer, rig: Rig) -> float:
 def test_an_output_runs_by_the_clock_of_the_inputs(cards: NiServer, rig: Rig, monkeypatch: pytest.MonkeyPatch):
     assert abs(off_ppm(cards, on(rig, CARDS, "reference-clock"))) < 0.1
     # Left to itself it runs by the clock of its own card.
-    monkeypatch.setattr("modallab_drivers.ni_daqmx.shaker.Shaker.follow", lambda shaker, clock: None)
+    monkeypatch.setattr("modallab_drivers.ni_daqmx.shaker.ShakerOutput.follow", lambda shaker, clock: None)
     assert abs(off_ppm(cards, on(rig, CARDS, "reference-clock"))) > 1.0
 
 

@@ -46,5 +46,5 @@ def added(folder: Path, twin_file: str | None, bench_file: str | None) -> Iterat
 
 
 def _forget() -> None:
-    for known in (twin.effect_models, bench.parts, catalogue):
+    for known in (twin.effect_models, bench.effect_parts, catalogue):
         known.cache_clear()

@@ -27,14 +27,14 @@ def ctrl_c_at(nth: int) -> Callable[[], None]:
 def pressed(nth: int, argv: list[str]) -> int:
     """Run the command; its exit code."""
     sign = ctrl_c_at(nth)
-    shown = console.Display.notify
+    shown = console.ProgressDisplay.notify
 
-    def notify(display: console.Display, event: EventView) -> None:
+    def notify(display: console.ProgressDisplay, event: EventView) -> None:
         shown(display, event)
         if event.kind == "progress":
             sign()
 
-    console.Display.notify = notify  # type: ignore[method-assign]
+    console.ProgressDisplay.notify = notify  # type: ignore[method-assign]
     with report_progress_to(lambda _share, _words: sign()):
         return main(argv)
 

@@ -117,7 +117,7 @@ def test_what_cannot_be_asked_is_said(model: ml.Model) -> None:
     with pytest.raises(DataError, match="use one of mass, spring"):
         model.tune(1, 10.5, by="damper")  # type: ignore[arg-type]
     with pytest.raises(DataError, match="use one of mass, spring"):
-        model.keep_free((10, 12), by="damper")  # type: ignore[arg-type]
+        model.free_band((10, 12), by="damper")  # type: ignore[arg-type]
     with pytest.raises(DataError, match="above 0 in kg"):
         model.best_absorber(mode=1, at=1, mass=-0.1)
     with pytest.raises(DataError, match="there is no change"):

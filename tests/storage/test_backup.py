@@ -26,8 +26,8 @@ from modallab.storage.tables import BLOCKS, RUNS
 def _record(store: Store, seed: int, state: str = "done", valid: bool = True) -> str:
     with begin(store) as recorder:
         for k in range(3):
-            recorder.record(noise(seed + k), BlockNote(f"b{k}", "impact", 64 * k))
-        recorder.enter(state, valid=valid)
+            recorder.record_block(noise(seed + k), BlockNote(f"b{k}", "impact", 64 * k))
+        recorder.enter_state(state, valid=valid)
     return recorder.run
 
 

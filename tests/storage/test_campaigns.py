@@ -12,9 +12,9 @@ from modallab.storage import BlockNote, Store, campaign_of, rig_hash
 def a_run(store: Store, *names: str, rig_name: str = "small", valid: bool = True) -> str:
     with begin(store, rig=small_rig(rig_name)) as recorder:
         for n, name in enumerate(names):
-            recorder.record(noise(n), BlockNote(name, "impact", 64 * n))
-        recorder.record(noise(99), BlockNote("bad", "impact", 0, accepted=False, reason="too weak: 1 N"))
-        recorder.enter("done" if valid else "aborted", valid=valid)
+            recorder.record_block(noise(n), BlockNote(name, "impact", 64 * n))
+        recorder.record_block(noise(99), BlockNote("bad", "impact", 0, accepted=False, reason="too weak: 1 N"))
+        recorder.enter_state("done" if valid else "aborted", valid=valid)
     return recorder.run
 
 

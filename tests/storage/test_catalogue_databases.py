@@ -21,9 +21,9 @@ NOTE = BlockNote("b", "impact", 2**40, drive_point=1, overload=("a01",), facts={
 
 def test_a_run_comes_back_with_all_that_belongs_to_it(any_store: Store) -> None:
     with begin(any_store, dtype="int32") as recorder:
-        recorder.record(noise(1, "int32"), NOTE)
-        recorder.record(noise(2, "int32"), BlockNote("rejected", "impact", 3, accepted=False, reason="too weak"))
-        recorder.enter("done")
+        recorder.record_block(noise(1, "int32"), NOTE)
+        recorder.record_block(noise(2, "int32"), BlockNote("rejected", "impact", 3, accepted=False, reason="too weak"))
+        recorder.enter_state("done")
     run = any_store.catalogue.run(recorder.run)
     assert (run.state, run.rig, run.scale) == ("done", small_rig(), (1e-4, 2e-4))
     (block,) = any_store.blocks(recorder.run)
@@ -35,7 +35,7 @@ def test_a_run_comes_back_with_all_that_belongs_to_it(any_store: Store) -> None:
 
 def test_rows_of_blocks_are_never_changed_nor_deleted(any_store: Store) -> None:
     with begin(any_store) as recorder:
-        recorder.record(noise(1), NOTE)
+        recorder.record_block(noise(1), NOTE)
     for change in (update(BLOCKS).values(crc32=0), delete(BLOCKS)):
         with (
             pytest.raises(IntegrityError, match="blocks are append-only"),
@@ -66,12 +66,12 @@ def test_many_who_open_a_new_server_database_at_once_all_find_its_tables(tmp_pat
 @pytest.mark.thorough("starts a PostgreSQL server")
 def test_a_server_that_restarts_between_two_blocks_is_found_again(pg_store: Store) -> None:
     with begin(pg_store) as recorder:
-        recorder.record(noise(1), BlockNote("b1", "impact", 0))
+        recorder.record_block(noise(1), BlockNote("b1", "impact", 0))
         with pg_store.catalogue.engine.connect() as connection:
             connection.execute(
                 text("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid()")
             )
-        recorder.record(noise(2), BlockNote("b2", "impact", 64))
+        recorder.record_block(noise(2), BlockNote("b2", "impact", 64))
     assert [block.name for block in campaign_of(pg_store, [recorder.run]).blocks] == ["b1", "b2"]
 
 

@@ -20,7 +20,7 @@ from modallab.storage.samples import lookup3_checksum, seal_file
 def recorded(store: Store, count: int = 3) -> tuple[str, Path]:
     with begin(store) as recorder:
         for n in range(count):
-            recorder.record(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
+            recorder.record_block(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
     return recorder.run, store.folder / "runs" / f"{recorder.run}.h5"
 
 
@@ -49,8 +49,8 @@ def test_a_file_cut_off_or_gone_is_reported_by_name(store: Store) -> None:
 
 def test_a_run_whose_recorder_died_is_marked_and_its_blocks_are_readable(store: Store) -> None:
     recorder = begin(store)
-    recorder.enter("acquiring")
-    recorder.record(noise(1), BlockNote("b", "impact", 0))
+    recorder.enter_state("acquiring")
+    recorder.record_block(noise(1), BlockNote("b", "impact", 0))
     # As a kill leaves it: the file copied while it is open for writing, the lease let go by the system.
     with Store(store.folder) as after:
         assert after.recover() == ()
@@ -72,15 +72,15 @@ def test_a_disk_that_fills_up_costs_only_the_block_that_was_not_acknowledged(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with begin(store) as recorder:
-        recorder.record(noise(0), BlockNote("b0", "impact", 0))
+        recorder.record_block(noise(0), BlockNote("b0", "impact", 0))
         with monkeypatch.context() as patch:
             patch.setattr(os, "fdatasync", full_disk, raising=False)
             patch.setattr(os, "fsync", full_disk)
             with pytest.raises(DiskFullError):
-                recorder.record(noise(1), BlockNote("b1", "impact", 64))
+                recorder.record_block(noise(1), BlockNote("b1", "impact", 64))
         with pytest.raises(StorageError, match="earlier write failed"):
-            recorder.record(noise(2), BlockNote("b2", "impact", 128))
-        recorder.enter("failed", "disk full")
+            recorder.record_block(noise(2), BlockNote("b2", "impact", 128))
+        recorder.enter_state("failed", "disk full")
     assert [b.name for b in store.blocks(recorder.run)] == ["b0"]
 
 
@@ -89,13 +89,13 @@ def test_hdf5s_own_word_for_a_full_disk_is_understood(store: Store, monkeypatch:
         raise RuntimeError("Unable to flush dataset (file write failed: errno = 28, error message = 'No space left')")
 
     with begin(store) as recorder:
-        recorder.record(noise(0), BlockNote("b0", "impact", 0))
+        recorder.record_block(noise(0), BlockNote("b0", "impact", 0))
         with monkeypatch.context() as patch:
             patch.setattr(h5py.Dataset, "flush", hdf5_says)
             with pytest.raises(DiskFullError) as caught:
-                recorder.record(noise(1), BlockNote("b1", "impact", 64))
+                recorder.record_block(noise(1), BlockNote("b1", "impact", 64))
         assert "errno" not in str(caught.value)
-        assert recorder.unusable
+        assert recorder.left_unusable_file
     assert [b.name for b in store.blocks(recorder.run)] == ["b0"]
 
 
@@ -120,7 +120,7 @@ def test_the_end_of_a_run_is_written_in_the_room_that_was_kept_for_it(
             write(catalogue, run, **values)
 
         monkeypatch.setattr(RunCatalogue, "update_run", full_but_for_the_reserve)
-        recorder.enter("failed", "the disk is full")
+        recorder.enter_state("failed", "the disk is full")
     ended = store.catalogue.run(recorder.run)
     assert (ended.state, ended.reason) == ("failed", "the disk is full")
 
@@ -188,7 +188,7 @@ def test_a_new_run_is_created_and_leased(store: Store) -> None:
 def left_by_a_kill(store: Store) -> tuple[str, Path]:
     recorder = begin(store)
     for n in range(3):
-        recorder.record(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
+        recorder.record_block(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
     path = store.folder / "runs" / f"{recorder.run}.h5"
     as_killed = path.read_bytes()
     recorder.close()

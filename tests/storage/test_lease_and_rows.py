@@ -48,7 +48,7 @@ def test_a_new_database_is_for_its_owner_only(store: Store) -> None:
 @pytest.mark.parametrize("damage", ["CAST(x'ff' AS TEXT)", "'{'"], ids=["bytes", "JSON"])
 def test_a_damaged_row_is_an_error_of_our_own_without_sql(store: Store, damage: str) -> None:
     with begin(store) as recorder:
-        recorder.enter("done")
+        recorder.enter_state("done")
     with store.catalogue.engine.begin() as connection:
         connection.execute(text(f"UPDATE runs SET facts = {damage}"))
     for look in (store.catalogue.runs, lambda: store.catalogue.run(recorder.run)):

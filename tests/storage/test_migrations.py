@@ -46,8 +46,8 @@ def test_a_folder_of_version_1_becomes_one_of_today_and_goes_on(old: Path) -> No
         run = store.catalogue.runs()[0].id
         store.drop_block(run, "impact_p01_1")
         with begin(store) as recorder:
-            recorder.record(noise(9), BlockNote("new", "impact", 0))
-            recorder.enter("done")
+            recorder.record_block(noise(9), BlockNote("new", "impact", 0))
+            recorder.enter_state("done")
     with Store(old) as store:
         assert [block.name for block in store.blocks(run)] == ["impact_p01_3"]
         assert len(store.catalogue.runs()) == 4
@@ -57,8 +57,8 @@ def test_facts_of_older_programs_are_read_under_todays_names(old: Path) -> None:
     former = {"at_rest_before": "yes", "rest_level": 0.5, "rest_excess": 1.5, "rest_line_hz": 4.5, "peak_n": 51.5}
     with Store(old) as store, begin(store) as recorder:
         renamed = "impact_p01_1_refused_1"
-        recorder.record(noise(9), BlockNote(renamed, "impact", 0, accepted=False, facts=former))
-        recorder.enter("done")
+        recorder.record_block(noise(9), BlockNote(renamed, "impact", 0, accepted=False, facts=former))
+        recorder.enter_state("done")
         (row,) = store.catalogue.blocks(recorder.run)
     assert row.note.facts == {
         "settled_before": "yes", "motion_level": 0.5, "motion_excess": 1.5, "motion_line_hz": 4.5, "peak_n": 51.5,

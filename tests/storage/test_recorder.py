@@ -22,7 +22,7 @@ def test_a_block_comes_back_bit_for_bit_with_its_facts(store: Store, dtype: str)
     samples = noise(1, dtype)
     note = BlockNote("impact_p01_1", "impact", 12345, drive_point=1, overload=("a01",), facts={"peak_n": 61.5})
     with begin(store, dtype=dtype) as recorder:
-        acknowledged = recorder.record(samples, note)
+        acknowledged = recorder.record_block(samples, note)
     (block,) = store.blocks(recorder.run)
     assert block.samples.dtype == np.dtype(dtype)
     assert block.samples.tobytes() == samples.tobytes()
@@ -37,17 +37,17 @@ def test_a_block_comes_back_bit_for_bit_with_its_facts(store: Store, dtype: str)
 
 def test_samples_that_are_placed_are_a_block_only_once_they_are_kept(store: Store) -> None:
     with begin(store) as recorder:
-        recorder.place(noise(1))
-        good = recorder.place(noise(2))
-        assert recorder.keep(good, BlockNote("good", "impact", 64)).n == 0
-        recorder.place(noise(3))
+        recorder.place_block(noise(1))
+        good = recorder.place_block(noise(2))
+        assert recorder.keep_block(good, BlockNote("good", "impact", 64)).n == 0
+        recorder.place_block(noise(3))
     (block,) = store.blocks(recorder.run)
     assert block.samples.tobytes() == noise(2).tobytes()
 
 
 def test_a_run_keeps_all_that_is_needed_to_repeat_it(store: Store) -> None:
     with begin(store) as recorder:
-        recorder.enter("done")
+        recorder.enter_state("done")
     run = store.catalogue.run(recorder.run)
     assert (run.plan, run.rig, run.rig_hash) == (PLAN, small_rig(), rig_hash(small_rig()))
     assert (run.bench_url, run.code_version) == (INFO.url, __version__)
@@ -58,7 +58,7 @@ def test_a_run_keeps_all_that_is_needed_to_repeat_it(store: Store) -> None:
 
 def test_the_file_explains_itself_without_the_catalogue(store: Store) -> None:
     with begin(store) as recorder:
-        recorder.record(noise(1), BlockNote("b", "impact", 0))
+        recorder.record_block(noise(1), BlockNote("b", "impact", 0))
     with h5py.File(store.folder / "runs" / f"{recorder.run}.h5") as file:
         assert file["samples"].shape == (2, 64)
         assert file.attrs["rig"] == small_rig().model_dump_json()
@@ -72,15 +72,15 @@ def test_blocks_of_any_length_stand_one_after_the_other(store: Store, counts: li
     blocks = [noise(n, count=count) for n, count in enumerate(counts)]
     with begin(store) as recorder:
         for n, samples in enumerate(blocks):
-            recorder.record(samples, BlockNote(f"b{n}", "impact", 0))
+            recorder.record_block(samples, BlockNote(f"b{n}", "impact", 0))
     for kept, given_ in zip(store.blocks(recorder.run), blocks, strict=True):
         np.testing.assert_array_equal(kept.samples, given_)
 
 
 def test_rejected_blocks_are_kept_and_left_out_unless_asked_for(store: Store) -> None:
     with begin(store) as recorder:
-        recorder.record(noise(1), BlockNote("bad", "impact", 0, accepted=False, reason="too weak: 3 N"))
-        recorder.record(noise(2), BlockNote("good", "impact", 64))
+        recorder.record_block(noise(1), BlockNote("bad", "impact", 0, accepted=False, reason="too weak: 3 N"))
+        recorder.record_block(noise(2), BlockNote("good", "impact", 64))
     assert [b.name for b in store.blocks(recorder.run)] == ["good"]
     assert [b.name for b in store.blocks(recorder.run, rejected=True)] == ["bad", "good"]
     assert store.catalogue.blocks(recorder.run)[0].note.reason == "too weak: 3 N"
@@ -89,13 +89,13 @@ def test_rejected_blocks_are_kept_and_left_out_unless_asked_for(store: Store) ->
 def test_a_running_file_can_be_read_from_a_second_store(store: Store) -> None:
     with begin(store) as recorder, Store(store.folder) as other:
         for n in range(3):
-            recorder.record(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
+            recorder.record_block(noise(n), BlockNote(f"b{n}", "impact", 64 * n))
             assert len(other.blocks(recorder.run)) == n + 1
 
 
 def test_the_table_of_blocks_is_append_only(store: Store) -> None:
     with begin(store) as recorder:
-        recorder.record(noise(1), BlockNote("b", "impact", 0))
+        recorder.record_block(noise(1), BlockNote("b", "impact", 0))
     engine = store.catalogue.engine
     for change in (update(BLOCKS).values(crc32=0), delete(BLOCKS)):
         with pytest.raises(IntegrityError, match="append-only"), engine.begin() as connection:

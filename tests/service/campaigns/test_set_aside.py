@@ -147,7 +147,7 @@ def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, ca
                 aside.delete(kind, name, "Ada", GRACE)
             with pytest.raises(ConflictError, match="is active"):
                 aside.archive(kind, name, "Ada")
-        recorder.enter("done")
+        recorder.enter_state("done")
 
 
 def test_samples_stay_to_the_end_of_the_grace_time_and_rows_for_good(service, aside, campaign) -> None:

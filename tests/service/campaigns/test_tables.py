@@ -10,7 +10,8 @@ from modallab.core.documents.runs import CampaignChange, CampaignRequest
 from modallab.core.errors import StorageError
 from modallab.service.api.router import IdempotencyKeys, StoredAnswer
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
-from modallab.service.records.event_log import EventLog, EventTopic, enter_action
+from modallab.service.records.audit import enter_action
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
