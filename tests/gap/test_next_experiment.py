@@ -48,7 +48,7 @@ def found(at_its_point: Campaign) -> list[Experiment]:
 def test_hits_elsewhere_tell_a_wrong_hit_from_a_wrong_sensor_and_hits_there_do_not(found: list[Experiment]) -> None:
     by_name = {e.name: e for e in found}
     assert by_name["hits again"].expected == pytest.approx(0.5, abs=0.02)
-    assert by_name["hits again"].log_likelihood_ratio == pytest.approx(0.0, abs=0.1)
+    assert by_name["hits again"].nats == pytest.approx(0.0, abs=0.1)
     assert found[0].expected > 0.99
     assert isinstance(found[0].plans[0], ImpactPlan)
     assert found[0].plans[0].points != (6,)
@@ -91,7 +91,7 @@ def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(
     seen = of_sensors(replace(loud, rig=rig), (3,), hits=(3,))
     found = next_experiments(seen, remaining_explanations(seen.rig, near, far))
     single = {e.name: e for e in found if "," not in e.name}
-    assert single["hits at 10"].log_likelihood_ratio > 1.3 * single["hits again"].log_likelihood_ratio > 0
+    assert single["hits at 10"].nats > 1.3 * single["hits again"].nats > 0
     assert single["hits at 10"].expected == max(e.expected for e in single.values())
 
 
