@@ -14,7 +14,7 @@ from modallab.core.child_process import start_child_process
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.rig import Rig
 
-SUPERVISE = "modallab.acquisition.process.output_watch:supervise"
+SUPERVISE = "modallab.acquisition.process.output_watch:supervise_output"
 READY_S = 30.0
 LEAVE_S = 5.0
 RELEASE_S = 20.0

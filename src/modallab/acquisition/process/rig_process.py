@@ -35,7 +35,7 @@ from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.storage import Store
 
-SERVE = "modallab.acquisition.process.child:serve"
+SERVE = "modallab.acquisition.process.child:serve_rig"
 POLL_S = 0.2
 LEAVE_S = 10.0
 OWNERLESS_S = 10.0
