@@ -25,7 +25,7 @@ from modallab.core.plan import PAPER_LINES, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.storage import Store
-from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
+from modallab_simulators.faults import KINDS, ChannelFault, FaultyBench
 
 GOAL_S = 0.3
 LOOK_SAMPLES = 300

@@ -32,7 +32,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
-from modallab_simulators.cantilever.shaker import BurstOutput
+from modallab_simulators.cantilever.excitation import BurstOutput
 
 FREQUENCIES_HZ = (5.0, 20.0, 110.0, 450.0)
 LEVELS_V = (0.1, 1.0, 5.0)

@@ -19,8 +19,8 @@ from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
 from modallab_simulators.cantilever.address import BenchSettings, SessionConditions
-from modallab_simulators.cantilever.altered_bench import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
+from modallab_simulators.cantilever.effect_part import ChainChanges
 from modallab_simulators.cantilever.loads import BLOCK, BeamLoad
 from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.trial import RATES_HZ

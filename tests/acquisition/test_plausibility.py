@@ -15,7 +15,7 @@ from modallab.core.errors import SafetyError
 from modallab.core.plan import ForceControl, SinePlan
 from modallab.core.rig import Limits, Rig
 from modallab.storage import Store
-from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench, Kind
+from modallab_simulators.faults import KINDS, ChannelFault, FaultyBench, Kind
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=20.0)
 SCRIPTED = scripted_rig(LIMITS)

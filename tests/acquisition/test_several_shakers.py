@@ -20,7 +20,7 @@ from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband
 from modallab.storage import Store
-from modallab_simulators.channel_faults import ChannelFault, FaultyBench, Kind
+from modallab_simulators.faults import ChannelFault, FaultyBench, Kind
 
 URL = "sim://cantilever?seed=1"
 INFO = BenchInfo(URL, (), can_drive=True, real_time=False, facts={})

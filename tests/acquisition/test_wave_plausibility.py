@@ -13,7 +13,7 @@ from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband
 from modallab.storage import Store
-from modallab_simulators.channel_faults import ChannelFault, FaultyBench, Kind
+from modallab_simulators.faults import ChannelFault, FaultyBench, Kind
 
 RATE_HZ = 2000.0
 MANY, MANY_S = 16, 0.12

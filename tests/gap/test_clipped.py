@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Block
-from modallab.gap.conditioning.clipped import find_clipped
+from modallab.gap.conditioning.records import find_clipped
 
 ROWS, N, RATE, NOISE, FULL_SCALE = 3, 1024, 1000.0, 3e-4, 10.0
 STEP = FULL_SCALE / 32768

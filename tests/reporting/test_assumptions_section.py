@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.identification.selection.assumptions import AssumptionVerdict
-from modallab.reporting.sections.assumptions import assumptions_section
+from modallab.reporting.sections.verification import assumptions_section
 from modallab.verification.assessment import assess_model
 
 

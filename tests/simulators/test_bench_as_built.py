@@ -7,7 +7,7 @@ from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import BenchSettings, parse_address
-from modallab_simulators.cantilever.altered_bench import DRIFT_S, AlteredBench
+from modallab_simulators.cantilever.effect_part import DRIFT_S, AlteredBench
 from modallab_simulators.cantilever.loads import BeamLoad
 from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth

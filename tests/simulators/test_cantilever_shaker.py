@@ -12,8 +12,8 @@ from modallab.bench.protocol import AcquisitionRequest, Bench, Burst
 from modallab.core.errors import ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever import open_bench
+from modallab_simulators.cantilever.excitation import BurstOutput
 from modallab_simulators.cantilever.recursion import DELAY
-from modallab_simulators.cantilever.shaker import BurstOutput
 
 Running = Callable[..., Bench]
 

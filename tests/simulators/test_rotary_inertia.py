@@ -9,14 +9,14 @@ from scipy.optimize import brentq
 from modallab.bench.protocol import Burst
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import ChainChanges
 from modallab_simulators.cantilever.assembled import RotaryModes
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import ModalBasis, TruncatedBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.chain import Chain
+from modallab_simulators.cantilever.effect_part import ChainChanges
+from modallab_simulators.cantilever.excitation import BurstOutput
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.shaker import BurstOutput
 
 BEAM = CantileverBeam(0.8, 60.0, 1.6, np.inf)
 

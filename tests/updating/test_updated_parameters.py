@@ -7,9 +7,8 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.formats.fem.matrix_model import MatrixModel
-from modallab.updating.mode_data import ModeData
 from modallab.updating.posterior import update_parameters
-from modallab.updating.result import Prior
+from modallab.updating.result import ModeData, Prior
 
 N = 6
 

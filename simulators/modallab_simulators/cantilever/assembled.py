@@ -12,11 +12,11 @@ import numpy as np
 
 from modallab.core.arrays import Real, gauss_legendre
 from modallab.core.units import Test
-from modallab_simulators.cantilever.altered_bench import Element, StructureChanges
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, JoinedBasis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam
+from modallab_simulators.cantilever.effect_part import Element, StructureChanges
 from modallab_simulators.cantilever.modes import Modes, SolvedModes, eigh
 
 

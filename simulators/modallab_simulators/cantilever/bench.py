@@ -14,10 +14,15 @@ from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import EVERYDAY, BenchSettings, SessionConditions
 from modallab_simulators.cantilever.beam import RandomStream, random_generator
 from modallab_simulators.cantilever.chain import outputs_of
-from modallab_simulators.cantilever.excitation import ForceTimeline
+from modallab_simulators.cantilever.excitation import (
+    BurstOutput,
+    ForceTimeline,
+    WaveOutput,
+    require_burst,
+    require_wave,
+)
 from modallab_simulators.cantilever.hammer import HammerHit, OperatorLine, PlannedHit, ScriptedHit, draw_hit
 from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
-from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput, require_burst, require_wave
 from modallab_simulators.cantilever.stream import BenchAtOneRate, SampleStream
 from modallab_simulators.cantilever.truth import BenchTruth, draw_truth
 

@@ -12,7 +12,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test, si_factor
-from modallab_simulators.cantilever.altered_bench import ChainChanges
+from modallab_simulators.cantilever.effect_part import ChainChanges
 from modallab_simulators.cantilever.loads import SensorOutput
 from modallab_simulators.cantilever.sensor import SensorTransfer
 

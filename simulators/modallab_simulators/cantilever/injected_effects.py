@@ -9,8 +9,7 @@ from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChann
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart
 from modallab_simulators.cantilever.effects import allowed_range, effect_parts, kinds, part_of
 
 

@@ -14,7 +14,6 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import EVERYDAY, BenchSettings, SessionConditions
-from modallab_simulators.cantilever.altered_bench import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
 from modallab_simulators.cantilever.assembled import modes_of, with_side_modes
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, ModalBasis, TruncatedBasis
@@ -27,6 +26,7 @@ from modallab_simulators.cantilever.beam import (
     draw_damping,
     random_generator,
 )
+from modallab_simulators.cantilever.effect_part import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
 from modallab_simulators.cantilever.injected_effects import InjectedEffects, inject_effects
 from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
 

@@ -18,7 +18,7 @@ from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.lines import MEMORY_S, OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration, read

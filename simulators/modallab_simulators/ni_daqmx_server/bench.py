@@ -8,7 +8,8 @@ from typing import TypeVar
 from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.acquisition import Reservations, Task
+from modallab_simulators.ni_daqmx_server.counter_task import LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration
@@ -20,7 +21,6 @@ from modallab_simulators.ni_daqmx_server.sources import channel_sources
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import Layout, clock_domain
 from modallab_simulators.ni_daqmx_server.task_start import NETWORKED, Clocks, pulses_of, start
-from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 
 T = TypeVar("T", bound=Task)
 

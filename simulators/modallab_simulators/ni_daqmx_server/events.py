@@ -8,14 +8,12 @@ from typing import Any
 import grpc
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import is_done
-from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
 
 _MESSAGES: Any = messages
 _NUMBERS = count(1)

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Channel
 from modallab_simulators.ni_daqmx_server.lines import Floats
 from modallab_simulators.ni_daqmx_server.modules import DelayedSource, Module, coerced_rate
 from modallab_simulators.ni_daqmx_server.plant import Source
 from modallab_simulators.ni_daqmx_server.signals import BenchClock
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Channel
 
 TRIGGER_PIECE = 256
 

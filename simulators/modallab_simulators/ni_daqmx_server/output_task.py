@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from modallab_simulators.ni_daqmx_server.acquisition import Channel, Task
 from modallab_simulators.ni_daqmx_server.lines import Floats, Hold, OutputLine, Samples
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
 from modallab_simulators.ni_daqmx_server.signals import BenchClock
 from modallab_simulators.ni_daqmx_server.status import INVALID_VALUE, NOT_SUPPORTED_HERE, OUTPUT_UNDERFLOW, StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 _EMPTY = np.zeros(0)
 IDLE_HOLD = 12528

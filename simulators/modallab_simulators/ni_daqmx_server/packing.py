@@ -9,9 +9,8 @@ import numpy as np
 from ni.protobuf.types import waveform_pb2
 from numpy.typing import NDArray
 
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Channel
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.tasks import Channel
 
 BY_CHANNEL = 0
 EPOCH_1904_S = 2_082_844_800

@@ -11,9 +11,8 @@ from zlib import crc32
 import numpy as np
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
-from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task, terminal
+from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask, DigitalInputTask, LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
@@ -21,7 +20,6 @@ from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
 from modallab_simulators.ni_daqmx_server.signals import Pulses
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import clock_domain, clock_error_ppm, pxi_chassis
-from modallab_simulators.ni_daqmx_server.tasks import Task, terminal
 
 if TYPE_CHECKING:
     from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem

@@ -14,9 +14,8 @@ from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
 from modallab.modification.known import KnownStructure
 from modallab.updating.beam_model import BeamModel, Predictor, predictor_of_matrices
-from modallab.updating.mode_data import measured_modes
 from modallab.updating.posterior import update_parameters
-from modallab.updating.result import Prior, UpdatedParameters
+from modallab.updating.result import Prior, UpdatedParameters, measured_modes
 
 PREDICT, PRIORS = "predict", "priors"
 """Names in a Python file that is a model."""

@@ -8,17 +8,14 @@ from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import ReportContent
 from modallab.reporting.markup import Markup, html_element, page_head
 from modallab.reporting.sections import (
-    assumptions,
     half_power,
     model,
     overview,
-    provenance,
     rig,
     setups,
     shapes,
     signals,
     start,
-    summary,
     verification,
 )
 from modallab.reporting.sections import modes as table_of_modes
@@ -44,7 +41,7 @@ def render(content: ReportContent) -> str:
         shapes.shapes_section(content),
         verification.verification_section(content),
         half_power.half_power_section(content, found),
-        assumptions.assumptions_section(content),
+        verification.assumptions_section(content),
         *(
             replace(part, folded=True)
             for part in (
@@ -52,7 +49,7 @@ def render(content: ReportContent) -> str:
                 signals.signals_section(content),
                 model.model_section(content),
                 rig.rig_section(content),
-                provenance.provenance_section(content),
+                rig.provenance_section(content),
             )
         ),
     ]
@@ -63,7 +60,7 @@ def render(content: ReportContent) -> str:
     head = html_element(
         "header",
         html_element("h1", content.title),
-        html_element("p", summary.summary_sentence(content, found), class_="lead"),
+        html_element("p", overview.summary_sentence(content, found), class_="lead"),
         overview.overview_list(content, found), _table_of_contents(shown),
     )  # fmt: skip
     body = html_element("body", head, html_element("main", *(p.render() for p in shown)))

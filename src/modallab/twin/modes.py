@@ -13,8 +13,7 @@ from scipy.linalg import eigh
 from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN, RIGID, stiffness_and_mass
-from modallab.twin.side_modes import out_of_band_compliance, poles_and_columns
-from modallab.twin.structure import MODES, TwinStructure
+from modallab.twin.structure import MODES, TwinStructure, out_of_band_compliance, poles_and_columns
 
 T = TypeVar("T")
 

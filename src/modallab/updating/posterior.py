@@ -23,8 +23,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import mac
 from modallab.updating.beam_model import Predictor, checked_predictor
-from modallab.updating.mode_data import ModeData
-from modallab.updating.result import ModeCheck, Prior, UpdatedParameters
+from modallab.updating.result import ModeCheck, ModeData, Prior, UpdatedParameters
 
 NEAREST = 1e-3
 """Relative difference of two frequencies below which their modes mix as if they differed by this."""

@@ -11,8 +11,7 @@ from pydantic import ValidationError
 
 from modallab.core.documents.runs import CampaignRequest
 from modallab.core.settings import Settings
-from modallab.service.api.app import create_app
-from modallab.service.api.compression import accepts_gzip
+from modallab.service.api.app import accepts_gzip, create_app
 
 PAGE = "https://page.lab:8443"
 

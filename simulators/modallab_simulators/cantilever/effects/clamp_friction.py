@@ -9,9 +9,8 @@ import numpy as np
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Beam, Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, Ties
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart, Ties
 from modallab_simulators.cantilever.feedback.elements import PointElement
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from modallab.core.block import Block
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench, ClippedRow
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, ClippedRow, Drawn, EffectPart
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:

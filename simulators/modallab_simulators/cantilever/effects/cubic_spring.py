@@ -5,9 +5,8 @@ from functools import partial
 
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart
 from modallab_simulators.cantilever.feedback.elements import PointElement
 
 

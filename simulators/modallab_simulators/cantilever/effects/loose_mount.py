@@ -4,8 +4,7 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart
 from modallab_simulators.cantilever.sensor import loose_mount
 
 

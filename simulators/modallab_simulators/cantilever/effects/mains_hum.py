@@ -6,8 +6,7 @@ import numpy as np
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart
 
 ROUNDING = 1e-9
 """Share of the length by which a sensor may leave the beam: one drawn to sit at its very end is there but for this."""

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.cracked import LocalStiffnessLoss
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:

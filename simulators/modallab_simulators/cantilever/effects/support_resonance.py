@@ -5,9 +5,8 @@ from math import pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.attached import Absorber
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:

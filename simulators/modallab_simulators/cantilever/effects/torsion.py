@@ -4,9 +4,8 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench, SideFamily
 from modallab_simulators.cantilever.beam import TrueBeam
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, Drawn, EffectPart, SideFamily
 from modallab_simulators.cantilever.modes import Modes, TorsionBar
 
 

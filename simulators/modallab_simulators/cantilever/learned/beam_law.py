@@ -5,9 +5,8 @@ from dataclasses import replace
 from modallab.core.arrays import gauss_legendre
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.attached import Attachment
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart
 
 PLACES = 12
 """Springs that stand for an even bedding: Gauss points, exact for the product of two low modes."""

@@ -9,8 +9,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart
 
 
 def _distorted(law: Mapping[str, float], volts: Real) -> Real:

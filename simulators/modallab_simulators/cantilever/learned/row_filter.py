@@ -5,8 +5,7 @@ from dataclasses import replace
 from modallab.core.effect import AllChannels, OneChannel
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart
 from modallab_simulators.cantilever.sensor import SensorTransfer, high_pass, loose_mount, low_pass
 
 

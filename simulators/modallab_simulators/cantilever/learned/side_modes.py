@@ -7,9 +7,8 @@ from math import inf, pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered_bench import AlteredBench, SideFamily
 from modallab_simulators.cantilever.beam import CantileverBeam, TrueBeam
-from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effect_part import AlteredBench, EffectPart, SideFamily
 from modallab_simulators.cantilever.modes import Modes, SingleMode, TorsionBar
 
 LOWEST = 3.5160152685

@@ -4,17 +4,20 @@ from collections.abc import Callable
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Channel, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import devices_of
 from modallab_simulators.ni_daqmx_server.calls.timing import rate_of
-from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import (
+    CounterInputTask,
+    CounterOutputTask,
+    DigitalInputTask,
+    LineTask,
+)
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.task_start import kind_of
-from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 ComputationResult = Callable[[SimulatedSystem, Any, Any], Any]
 _TYPES: dict[type[Task], int] = {

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Channel, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import fields_of
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
@@ -12,7 +12,6 @@ from modallab_simulators.ni_daqmx_server.max_config import Section, numbers
 from modallab_simulators.ni_daqmx_server.status import ZEROS, StatusError
 from modallab_simulators.ni_daqmx_server.systems import X_SERIES
 from modallab_simulators.ni_daqmx_server.task_start import kind_of
-from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 NONE, RISING, CONTINUOUS = 10230, 10280, 10123
 IEPE_KINDS = ("Accel", "ForceIEPE", "Microphone", "VelocityIEPE")

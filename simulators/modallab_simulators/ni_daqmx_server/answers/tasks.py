@@ -7,7 +7,7 @@ from typing import Any
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Channel, Task, terminal
 from modallab_simulators.ni_daqmx_server.answers import devices, stored
 from modallab_simulators.ni_daqmx_server.answers.known import COMPUTED
 from modallab_simulators.ni_daqmx_server.answers.stored import default
@@ -18,7 +18,6 @@ from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.status import FAMILIES, ZEROS, StatusError, lookup
-from modallab_simulators.ni_daqmx_server.tasks import Channel, Task, terminal
 
 REGENERATE = 10097
 _PER_DEVICE = ("AI_CONV", "SYNC_PULSE", "SAMP_CLK_TIMEBASE", "REF_CLK", "FIRST_SAMP_CLK")

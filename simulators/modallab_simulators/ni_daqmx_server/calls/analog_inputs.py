@@ -4,13 +4,13 @@ from typing import Any
 
 from modallab.core.units import STANDARD_GRAVITY
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.acquisition import Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, assigned, fields_of, settings, split
 from modallab_simulators.ni_daqmx_server.input_task import InputChannel, InputTask
 from modallab_simulators.ni_daqmx_server.max_config import scaling
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
 from modallab_simulators.ni_daqmx_server.teds import sheet_of
 
 Answer = dict[str, Any]

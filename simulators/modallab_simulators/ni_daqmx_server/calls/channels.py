@@ -3,16 +3,21 @@
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.acquisition import Channel
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.analog_inputs import as_kind
 from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, assigned, settings, split
-from modallab_simulators.ni_daqmx_server.counter_task import TICKS_HZ, CounterInputTask, CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import (
+    TICKS_HZ,
+    CounterInputTask,
+    CounterOutputTask,
+    DigitalInputTask,
+    LineTask,
+)
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import IDLE_HOLD, OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import M_SERIES, X_SERIES
-from modallab_simulators.ni_daqmx_server.tasks import Channel
 
 Answer = dict[str, Any]
 

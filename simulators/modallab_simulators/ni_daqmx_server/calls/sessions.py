@@ -6,17 +6,15 @@ from typing import Any
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.analog_inputs import add_inputs
 from modallab_simulators.ni_daqmx_server.calls.channels import add_analog
 from modallab_simulators.ni_daqmx_server.calls.kinds import split
 from modallab_simulators.ni_daqmx_server.calls.timing import use_saved_timing, verify
-from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import SessionError, StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
 
 _MESSAGES: Any = messages
 _TERMINALS = {"Differential": 10106, "RSE": 10083, "NRSE": 10078, "PseudoDifferential": 12529}

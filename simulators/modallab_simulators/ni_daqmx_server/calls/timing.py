@@ -5,17 +5,15 @@ from typing import Any
 import numpy as np
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import split
-from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.max_config import Section
 from modallab_simulators.ni_daqmx_server.modules import coerced_rate
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import DIGITAL, PXI, PXIE
-from modallab_simulators.ni_daqmx_server.tasks import Task
 
 Answer = dict[str, Any]
 

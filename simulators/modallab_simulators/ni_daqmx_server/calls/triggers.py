@@ -5,12 +5,12 @@ from time import time
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.acquisition import Task, terminal
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import fields_of
 from modallab_simulators.ni_daqmx_server.calls.timing import require_terminal
 from modallab_simulators.ni_daqmx_server.input_task import InputTask, ReferenceTrigger
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task, terminal
 
 Answer = dict[str, Any]
 

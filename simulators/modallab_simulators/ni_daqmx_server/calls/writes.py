@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.acquisition import Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channels import train
-from modallab_simulators.ni_daqmx_server.counter_task import TICKS_HZ, CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import LineTask
+from modallab_simulators.ni_daqmx_server.counter_task import TICKS_HZ, CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.lines import Floats
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
 
 Answer = dict[str, Any]
 BY_CHANNEL = 0

@@ -17,7 +17,6 @@ from modallab.gap.conditioning.ambient import (
     moves_before_hits,
     without_ringing,
 )
-from modallab.gap.conditioning.clipped import ClippedChannel, find_clipped
 from modallab.gap.conditioning.driven_records import SettledRecords, settle_drives
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, hum_below_removal, without_hum
 from modallab.gap.conditioning.noise import (
@@ -28,7 +27,7 @@ from modallab.gap.conditioning.noise import (
     noise_of_rig_file,
     rising_power,
 )
-from modallab.gap.conditioning.records import records_in_volts, usable_records
+from modallab.gap.conditioning.records import ClippedChannel, find_clipped, records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion

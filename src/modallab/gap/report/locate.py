@@ -121,7 +121,8 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
         return ResidualTestsResult("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
-        reason = f"One real factor on all channels and lines removes {share_text(1 - flat)} of the gap: the gain of the force."
+        removed = share_text(1 - flat)
+        reason = f"One real factor on all channels and lines removes {removed} of the gap: the gain of the force."
         return ResidualTestsResult("sensor", (force,), tests, (*why, reason))
     late = delay_share(base)
     if late > LATE:

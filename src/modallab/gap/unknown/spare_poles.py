@@ -16,7 +16,7 @@ from modallab.gap.search.fitting import Bench, misfit
 from modallab.gap.unknown.fitted import Trial, element
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.learned.side_modes import FAMILIES
-from modallab.twin.side_modes import frequency_multiples
+from modallab.twin.structure import frequency_multiples
 
 PLACES = tuple(float(x) for x in np.linspace(0.1, 0.98, 12))
 """Shares of the length at which a mass on a spring is begun from."""

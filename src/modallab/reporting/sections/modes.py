@@ -17,8 +17,8 @@ from modallab.core.digits import (
 from modallab.reporting.compare import ComparedMode, ModeReading, agreement_verdict, joint_deviations
 from modallab.reporting.content import ReportContent
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
+from modallab.reporting.sections.overview import compare_tests
 from modallab.reporting.sections.section import Section, paragraph
-from modallab.reporting.sections.summary import compare_tests
 
 HEADER = ("mode", "test", "frequency [Hz]", "damping ζ [%]", "half-power ζ [%]")
 TRUTH = ("true frequency [Hz], error", "true ζ [%], error")

@@ -11,8 +11,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.service.errors import LeaseNeededError, NotFoundError
 from modallab.service.records.leases import RigLeases
-from modallab.service.rigs.consents import Consent, RigConsents
-from modallab.service.rigs.control import ControllerState, StartRun
+from modallab.service.rigs.control import Consent, ControllerState, RigConsents, StartRun
 from modallab.service.rigs.controller import RigController
 
 

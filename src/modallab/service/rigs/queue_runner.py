@@ -13,8 +13,7 @@ from modallab.service.errors import ConflictError, LeaseNeededError, RigUnavaila
 from modallab.service.records.event_log import EventTopic
 from modallab.service.records.repository import RunKey
 from modallab.service.records.run_queue import RunQueue
-from modallab.service.rigs.consents import Consent
-from modallab.service.rigs.control import ControllerState, StartRun
+from modallab.service.rigs.control import Consent, ControllerState, StartRun
 from modallab.service.rigs.controllers import RigControllers
 from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED

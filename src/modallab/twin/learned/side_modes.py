@@ -7,7 +7,7 @@ from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically
 from modallab.twin.effect_model import EffectModel, EffectSearch
-from modallab.twin.side_modes import Family, SideModes
+from modallab.twin.structure import Family, SideModes
 
 FAMILIES: dict[str, Family] = {"twist_hz": "twist", "across_hz": "across", "alone_hz": "alone"}
 """The number that gives the lowest frequency of each family."""
