@@ -15,7 +15,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
-from modallab.gap.revisions.apply import with_diagnosis
+from modallab.gap.revisions import with_diagnosis
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
 from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.fitting import Bench

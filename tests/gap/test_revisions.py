@@ -18,7 +18,7 @@ from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import dump_rig, parse_rig, read_rig, write_rig
 from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
 from modallab.gap.report.effect_inspection import is_in_revisions
-from modallab.gap.revisions.apply import revision_history, rig_at_revision, with_diagnosis
+from modallab.gap.revisions import revision_history, rig_at_revision, with_diagnosis
 from modallab.reporting.revisions_report import revisions_section
 from modallab.twin.modes import solve_modes
 from modallab_simulators.cantilever import open_bench

@@ -27,7 +27,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_on_held_out, gap_outside_revisions, gap_without_effects
 from modallab.gap.report.measure import BARE, share_of_gap_closed
-from modallab.gap.revisions.apply import with_diagnosis
+from modallab.gap.revisions import with_diagnosis
 from modallab.twin.effects import model_of
 
 CAMPAIGNS = "campaigns"

@@ -13,7 +13,7 @@ from modallab.core.digits import three_digits
 from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig
-from modallab.gap.revisions.apply import RevisionStep, revision_history, with_diagnosis
+from modallab.gap.revisions import RevisionStep, revision_history, with_diagnosis
 from modallab.reporting.revisions_report import write_revisions_report
 
 _STEPS: TypeAdapter[list[RevisionStep]] = TypeAdapter(list[RevisionStep])

@@ -10,7 +10,7 @@ from modallab.core.effect import x_m_of
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
-from modallab.gap.revisions.apply import revision_history
+from modallab.gap.revisions import revision_history
 from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
 from modallab.gap.words.learned import numbers_of_description
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence

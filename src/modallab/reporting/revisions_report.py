@@ -7,7 +7,7 @@ from pathlib import Path
 from modallab.core.digits import three_digits
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
-from modallab.gap.revisions.apply import RevisionStep
+from modallab.gap.revisions import RevisionStep
 from modallab.reporting.gap_candidates import captioned_picture, page_section, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 

@@ -12,7 +12,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.revisions.apply import with_diagnosis
+from modallab.gap.revisions import with_diagnosis
 from modallab.gap.simulations.simulated_records import simulation_residual
 from modallab.gap.words.verdicts import verdict_sentence
 from modallab.reporting.gap_report import render

@@ -11,7 +11,7 @@ from modallab.core.discovery import declarations_in_package
 from modallab.core.effects import EffectKind, catalogue
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.effect_part import EffectPart
-from modallab_simulators.cantilever.learned import learned_parts
+from modallab_simulators.cantilever.learned import LEARNED_PARTS
 
 
 @cache
@@ -31,7 +31,7 @@ def part_of(name: str) -> EffectPart:
     Raises:
         ConfigurationError: it can't.
     """
-    part = effect_parts().get(name) or learned_parts().get(name)
+    part = effect_parts().get(name) or LEARNED_PARTS.get(name)
     if part is None:
         raise ConfigurationError(
             f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(effect_parts()))}"

@@ -202,7 +202,7 @@ def revise_rig(rig: str, new: RigRevisionRequest, service: ServiceOf, lease: Lea
 def apply_diagnosis(campaign: str, service: ServiceOf, lease: LeaseId = None) -> RigView:
     """Add the effects of the campaign's newest diagnosis to the rig's simulation; needs the rig's lease."""
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
-    from modallab.gap.revisions.apply import with_diagnosis
+    from modallab.gap.revisions import with_diagnosis
 
     known = service.repository.campaign(campaign)
     state = state_of(service, known.rig)
