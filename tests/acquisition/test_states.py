@@ -22,7 +22,7 @@ class CampaignRepository:
     def __init__(self) -> None:
         self.committed: list[str] = ["created"]
 
-    def enter(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
+    def enter_state(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
         self.committed.append(state)
 
 
