@@ -19,7 +19,7 @@ from modallab.cli.demo import demo_rig
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.report import truth_of
+from modallab.pipelines.report import modes_as_built
 from modallab.service.campaigns.local_session import record_campaign
 
 MODES = 3
@@ -33,7 +33,7 @@ def one_seed(seed: int, tests: Sequence[str]) -> list[dict]:
     with tempfile.TemporaryDirectory() as folder:
         plans = tuple(PLANS[test] for test in tests)
         campaign = record_campaign(f"sim://cantilever?seed={seed}", rig, plans, Path(folder), lambda event: None)
-    truth = truth_of(campaign)
+    truth = modes_as_built(campaign)
     rows = []
     for item in identify_campaign(campaign, IdentificationOptions()).identified:
         model = item.model

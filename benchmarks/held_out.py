@@ -25,7 +25,7 @@ from by_seed import measure
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import BLOCK_S, BroadbandPlan, ImpactPlan, SinePlan
 from modallab.core.rig import Tolerance
-from modallab.frf.periodic_drive import cut_to_drive_clock
+from modallab.frf.periodic_drive import resample_blocks_to_drive_clock
 from modallab.modification.known import KnownStructure
 from modallab.notebook.recording import Recording
 from modallab.signals.signals import Signals, to_signals_of
@@ -62,7 +62,8 @@ def cases(seed: int) -> Iterator[Case]:
     for b in whole.blocks:
         groups[b.test][b.drive_point if b.test == "impact" else b.name.rsplit("_", 1)[0]].append(b)
     waves = [
-        cut_to_drive_clock(to_signals_of(own, whole.rig), RANDOM.band_hz) for own in groups["pseudo-random"].values()
+        resample_blocks_to_drive_clock(to_signals_of(own, whole.rig), RANDOM.band_hz)
+        for own in groups["pseudo-random"].values()
     ]
     hits = [to_signals_of(own, whole.rig) for own in groups["impact"].values()]
     sines = [to_signals_of(own, whole.rig) for own in groups["sine"].values()]

@@ -54,7 +54,7 @@ class Case:
 def faults(*lines: str) -> Callable[[Bench], None]:
     def begin(bench: Bench) -> None:
         for each in lines:
-            bench.port.fault(each)
+            bench.port.arm_fault(each)
 
     return begin
 

@@ -30,7 +30,7 @@ from modallab.core.hold_out import SPREAD
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.gap.design.experiments import DECIDES, continue_campaign, next_experiments
-from modallab.gap.design.explanations import remaining_explanations, without_redundant
+from modallab.gap.design.explanations import drop_redundant_explanations, remaining_explanations
 from modallab.gap.diagnosis import diagnose
 from modallab.storage import Store, campaign_of
 from modallab_simulators.cantilever.address import SessionConditions, parse_address
@@ -44,7 +44,7 @@ def standing(found: Diagnosis) -> list[list[str]]:
     """The explanations that are left standing, the likeliest first."""
     if found.verdict == "no_gap":
         return []
-    return [sorted(c.effects) for c in without_redundant(found.candidates) if c.probability >= STANDING]
+    return [sorted(c.effects) for c in drop_redundant_explanations(found.candidates) if c.probability >= STANDING]
 
 
 def trial(seed: int, names: Sequence[str]) -> dict[str, Any]:

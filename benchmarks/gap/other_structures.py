@@ -31,7 +31,7 @@ from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
-from modallab.updating.elements import mesh_of_elements, model_of_elements
+from modallab.updating.elements import mesh_shapes, model_of_elements
 
 Real = NDArray[np.float64]
 KINDS = ("added_mass", "ground_spring", "gain_error", "position_error")
@@ -208,7 +208,7 @@ def computed(bench: Bench, now: ModalModel) -> tuple[ModalModel, Mesh | None]:
     places = {n + 1: tuple(place) for n, place in enumerate(nodes.tolist())}
     modes = NodeModes(bench.name, omega / (2 * np.pi), at, places, np.full(MODES, ZETA))
     how = (FemModel(modes, {}), bench.rig, now.band_hz, bench.hits)
-    return model_of_elements(*how), mesh_of_elements(*how)
+    return model_of_elements(*how), mesh_shapes(*how)
 
 
 def mesh(bench: Bench) -> Real:

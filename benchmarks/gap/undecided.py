@@ -110,7 +110,9 @@ class Sight:
         found: list[tuple[str, np.ndarray]] = []
         for c in self.candidates:
             for x in PLACES if any(s.name == "x" for s in c.slots) else (1.0,):
-                left = self.of(c.at(np.array([s.coordinate(x if s.name == "x" else _small(s)) for s in c.slots])))
+                left = self.of(
+                    c.effect_at(np.array([s.coordinate(x if s.name == "x" else _small(s)) for s in c.slots]))
+                )
                 found.append((c.effect, left / max(float(np.linalg.norm(left)), 1e-12)))
         return found
 
@@ -128,7 +130,7 @@ class Sight:
 
         def at(share: float) -> Effect:
             value = float(np.sign(large) * np.exp((1 - share) * np.log(abs(small)) + share * np.log(abs(large))))
-            return c.at(np.array([s.coordinate(x if s.name == "x" else value) for s in c.slots]))
+            return c.effect_at(np.array([s.coordinate(x if s.name == "x" else value) for s in c.slots]))
 
         low, high = 0.0, 1.0
         for _ in range(HALVED):

@@ -20,7 +20,7 @@ import modallab as ml
 from modallab.core.block import Campaign
 from modallab.core.plan import BroadbandPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.frf.distortions import waves_of
+from modallab.frf.distortions import group_blocks_by_wave
 from modallab.frf.undriven_lines import UndrivenDistortions
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.averaged_frfs import distortions_of
@@ -69,7 +69,7 @@ def truth(campaign: Campaign, signals: list[Signals], seed: int, k3: float) -> t
     nearest = int(np.argmin([abs(rig.x_of(c.point or 0) - at_m) for c in rig.responses]))
     omega2 = (2 * np.pi * line_hz * np.maximum(np.arange(count), 1)) ** 2
     driven, power = [], []
-    for wave in waves_of(force[:, : last + 1]):
+    for wave in group_blocks_by_wave(force[:, : last + 1]):
         played = force[wave].mean(axis=0)[:count] * scale
         holds = np.abs(played) > 0.1 * np.abs(played).max()
         moved = -np.mean([np.fft.rfft(signals[b].responses[nearest])[:count] for b in wave], axis=0) * scale / omega2

@@ -20,7 +20,7 @@ from modallab.core.units import BROADBAND
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.report import truth_of
+from modallab.pipelines.report import modes_as_built
 
 SAME = 0.02
 
@@ -53,7 +53,7 @@ def main() -> None:
     print("drive          mode        f [Hz]     zeta [%]   sigmas from impact: f zeta   from the truth: f zeta")
     for test in a.tests:
         campaign = recorded(a.out, a.seed, test, a.blocks)
-        truth = truth_of(campaign)
+        truth = modes_as_built(campaign)
         try:
             model = (
                 identify_campaign(campaign, IdentificationOptions(band_hz=(a.band[0], a.band[1]))).identified[0].model

@@ -22,7 +22,7 @@ from modallab.core.plan import ImpactPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.report import truth_of
+from modallab.pipelines.report import modes_as_built
 
 SAME = 1e-3
 
@@ -63,7 +63,7 @@ def main() -> None:
         for seed in range(asked.first, asked.first + asked.seeds):
             for tolerances in asked.benches:
                 campaign = recorded(asked.out, seed, tolerances, tuple(asked.points), asked.hits)
-                true = truth_of(campaign).frequency_hz
+                true = modes_as_built(campaign).frequency_hz
                 found: dict[tuple[int, int], np.ndarray] = {}
                 for points in counts:
                     for hits in sizes:

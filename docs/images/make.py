@@ -17,7 +17,7 @@ from modallab.core.model import Verification
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.report import report_content, truth_of
+from modallab.pipelines.report import modes_as_built, report_content
 from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import OutcomeOfTest
 from modallab.reporting.figures import style
@@ -44,7 +44,7 @@ def pictures(campaign: Campaign) -> dict[str, Figure]:
     """The pictures by name."""
     content = report_content(campaign, identify_campaign(campaign, IdentificationOptions(band_hz=PAPER_BAND)), "")
     models = list(content.models)
-    found = matched_modes(models, truth_of(campaign))
+    found = matched_modes(models, modes_as_built(campaign))
     impact = next(o for o in content.outcomes if o.test == "impact")
     shapes = mode_shapes(models, campaign.rig)
     if impact.verification is None or shapes is None:

@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from modallab.acquisition.procedures.broadband_wave import blocks_per_wave, layout_of, peak_v, slew_v_per_s, wave_of
+from modallab.acquisition.procedures.broadband_wave import blocks_per_wave, make_wave, peak_v, slew_v_per_s, wave_layout
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record_run
 from modallab.bench.loader import open_bench
@@ -35,8 +35,8 @@ def plan_of(signal: Broadband, **fields: object) -> BroadbandPlan:
 @pytest.mark.parametrize("signal", BROADBAND)
 def test_a_wave_begins_and_ends_at_zero_has_its_level_and_keeps_to_its_band(signal: Broadband) -> None:
     plan = plan_of(signal, burst_share=0.5)
-    layout = layout_of(plan, 4, plan.block_s)
-    wave = wave_of(plan, "low", 0, layout)
+    layout = wave_layout(plan, 4, plan.block_s)
+    wave = make_wave(plan, "low", 0, layout)
     assert wave.samples[0] == wave.samples[-1] == 0.0
     assert wave.duration_s == pytest.approx(layout.end_s, abs=2 / wave.rate_hz)
     first = round(layout.lead_s * wave.rate_hz)
@@ -52,8 +52,8 @@ def test_a_wave_begins_and_ends_at_zero_has_its_level_and_keeps_to_its_band(sign
 @pytest.mark.parametrize("signal", ["pseudo-random", "chirp"])
 def test_a_periodic_wave_repeats_with_every_block_and_joins_itself(signal: Broadband) -> None:
     plan = plan_of(signal)
-    layout = layout_of(plan, 3, plan.block_s)
-    wave = wave_of(plan, "low", 0, layout)
+    layout = wave_layout(plan, 3, plan.block_s)
+    wave = make_wave(plan, "low", 0, layout)
     period = round(plan.block_s * wave.rate_hz)
     first = round(layout.lead_s * wave.rate_hz)
     one, two = wave.samples[first : first + period], wave.samples[first + period : first + 2 * period]
@@ -64,10 +64,10 @@ def test_a_periodic_wave_repeats_with_every_block_and_joins_itself(signal: Broad
 
 def test_detection_lines_are_all_even_ones_and_each_odd_one_in_one_of_four_waves() -> None:
     plan = plan_of("pseudo-random", detection_lines=True, blocks_per_wave=2, blocks=8, band_hz=(2.0, 100.0))
-    layout = layout_of(plan, 2, plan.block_s)
+    layout = wave_layout(plan, 2, plan.block_s)
     held = []
     for number in range(4):
-        wave = wave_of(plan, "low", number, layout)
+        wave = make_wave(plan, "low", number, layout)
         first, period = round(layout.lead_s * wave.rate_hz), round(plan.block_s * wave.rate_hz)
         power = np.abs(np.fft.rfft(wave.samples[first : first + period]))[3:103]
         held.append(power > 1e-6 * power.max())
@@ -95,9 +95,9 @@ def test_detection_lines_ask_for_four_waves_of_two_periods(
 
 def test_waves_of_one_seed_are_the_same_and_each_wave_has_its_own_phases() -> None:
     plan = plan_of("random")
-    layout = layout_of(plan, 2, plan.block_s)
-    np.testing.assert_array_equal(wave_of(plan, "low", 0, layout).samples, wave_of(plan, "low", 0, layout).samples)
-    assert not np.array_equal(wave_of(plan, "low", 0, layout).samples, wave_of(plan, "low", 1, layout).samples)
+    layout = wave_layout(plan, 2, plan.block_s)
+    np.testing.assert_array_equal(make_wave(plan, "low", 0, layout).samples, make_wave(plan, "low", 0, layout).samples)
+    assert not np.array_equal(make_wave(plan, "low", 0, layout).samples, make_wave(plan, "low", 1, layout).samples)
 
 
 def test_a_peak_a_slew_or_a_length_beyond_the_rigs_limits_is_rejected_with_its_number(link_rig: Rig) -> None:
@@ -118,8 +118,8 @@ def test_a_peak_a_slew_or_a_length_beyond_the_rigs_limits_is_rejected_with_its_n
 def test_every_wave_played_is_within_what_the_check_has_seen(link_rig: Rig) -> None:
     plan = plan_of("random")
     assert link_rig.limits is not None
-    layout = layout_of(plan, blocks_per_wave(plan, link_rig.limits.max_burst_s), plan.block_s)
-    wave = wave_of(plan, "low", 0, layout)
+    layout = wave_layout(plan, blocks_per_wave(plan, link_rig.limits.max_burst_s), plan.block_s)
+    wave = make_wave(plan, "low", 0, layout)
     assert peak_v(wave) < link_rig.limits.drive_v
     assert slew_v_per_s(wave) < link_rig.limits.slew_v_per_s
     assert wave.duration_s <= link_rig.limits.max_burst_s

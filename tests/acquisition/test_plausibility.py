@@ -6,7 +6,7 @@ from scripted_bench import ScriptedBench, scripted_rig
 
 from modallab.acquisition.monitor.burst_windows import ExchangedChannels
 from modallab.acquisition.monitor.plausibility import KnownShapes, Plausibility
-from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, cut_off
+from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, clipped_channels
 from modallab.acquisition.monitor.tone_prediction import channel_faults, is_dead, predict_later_window, tone_basis
 from modallab.acquisition.process.run import record_run, run_plan
 from modallab.bench.loader import open_bench
@@ -184,9 +184,9 @@ def test_flat_tops_are_a_cut_off_channel_and_a_coarsely_sampled_sine_is_none() -
     noise = RestNoise.of(np.rint(RNG.standard_normal((1, 2048))).astype(np.int16), counts=True)
     for hz in (3.0, 30.0, 250.0):
         sine = np.rint(900 * np.sin(2 * np.pi * hz * T + 0.3) + RNG.standard_normal(1000)).astype(np.int16)[None]
-        assert not cut_off(sine, noise).any()
+        assert not clipped_channels(sine, noise).any()
     cut = np.clip(np.rint(900 * np.sin(2 * np.pi * 30 * T)), -600, 600).astype(np.int16)[None]
-    assert cut_off(cut, noise).all()
+    assert clipped_channels(cut, noise).all()
 
 
 def moved(rng: np.random.Generator, shapes: np.ndarray, growth: float) -> tuple[np.ndarray, np.ndarray]:

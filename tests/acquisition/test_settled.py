@@ -11,12 +11,12 @@ from modallab.acquisition.monitor.settled import (
     WindowLevels,
     amplitude_of_motion,
     check_settled,
-    floor_of,
     largest_ratio,
+    lines_above_noise,
     mean_sensor_motion,
     motion_decays,
+    noise_floor_of_windows,
     noise_limit,
-    ringing_lines,
     sensor_motion,
 )
 
@@ -41,14 +41,14 @@ def check(samples: np.ndarray, floor: NoiseFloor) -> SettledCheck:
 
 
 def residual_ratio(before: np.ndarray, block: np.ndarray, floor: NoiseFloor) -> tuple[float, int]:
-    moves, lines = ringing_lines(WindowLevels.of(before, floor.rms), floor)
+    moves, lines = lines_above_noise(WindowLevels.of(before, floor.rms), floor)
     return largest_ratio(moves, lines, mean_sensor_motion(sensor_motion(block, before.shape[1], floor)))
 
 
 @pytest.fixture(scope="module")
 def floor() -> NoiseFloor:
     rng = np.random.default_rng(0)
-    return floor_of([window(rng) for _ in range(4)])
+    return noise_floor_of_windows([window(rng) for _ in range(4)])
 
 
 def test_noise_alone_is_rest(floor: NoiseFloor) -> None:
@@ -81,7 +81,7 @@ def test_a_loud_channel_is_no_rest(floor: NoiseFloor) -> None:
 def test_a_hum_that_was_there_from_the_start_is_part_of_the_floor() -> None:
     rng = np.random.default_rng(5)
     hum = 5 * np.sin(2 * np.pi * 50 * T)
-    humming = floor_of([window(rng, hum) for _ in range(4)])
+    humming = noise_floor_of_windows([window(rng, hum) for _ in range(4)])
     assert all(check(window(rng, hum), humming).is_settled for _ in range(50))
     assert not check(window(rng, hum + ringing(rng, 0.3)), humming).is_settled
 
@@ -94,7 +94,7 @@ def test_an_offset_is_no_motion_and_hides_none(floor: NoiseFloor, offset: float)
 
 
 def test_a_channel_below_one_count_has_the_rounding_as_its_floor() -> None:
-    still = floor_of([np.zeros((2, 512))] * 4)
+    still = noise_floor_of_windows([np.zeros((2, 512))] * 4)
     np.testing.assert_allclose(still.rms, 1 / np.sqrt(12))
     assert check(np.zeros((2, 512)), still).is_settled
 
@@ -108,9 +108,9 @@ def test_the_limit_is_the_quantile_of_the_mean_of_so_many_exponentials(channels:
 def test_windows_that_fade_are_no_floor_and_windows_of_noise_are() -> None:
     rng = np.random.default_rng(7)
     noise = [window(rng) for _ in range(4)]
-    assert not motion_decays(noise, floor_of(noise))
+    assert not motion_decays(noise, noise_floor_of_windows(noise))
     decay = [window(rng, 3 * np.exp(-0.15 * n * N / RATE) * ringing(rng, 1.0)) for n in range(4)]
-    assert motion_decays(decay, floor_of(decay))
+    assert motion_decays(decay, noise_floor_of_windows(decay))
 
 
 @pytest.mark.parametrize("part", [0.005, 0.02, 0.1])

@@ -7,8 +7,8 @@ import pytest
 from scripted_bench import ScriptedBench
 from two_shakers import TIP, two_shakers
 
-from modallab.acquisition.procedures.broadband_checks import drive_followed_by_each_force, require_waves
-from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
+from modallab.acquisition.procedures.broadband_checks import match_forces_to_drives, require_waves
+from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, make_wave, make_waves, wave_layout
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import DrivesSeveralShakers
@@ -43,8 +43,8 @@ def test_periodic_waves_of_as_many_rounds_as_shakers_are_orthogonal_at_every_lin
 ) -> None:
     """Turned in each round, they have the same size and nothing in common."""
     plan = plan_of(signal)
-    layout = layout_of(plan, 2, plan.block_s)
-    rounds = [waves_of(plan, "low", number, layout, shakers) for number in range(shakers)]
+    layout = wave_layout(plan, 2, plan.block_s)
+    rounds = [make_waves(plan, "low", number, layout, shakers) for number in range(shakers)]
     first, period = (round(s * rounds[0][0].rate_hz) for s in (layout.lead_s, layout.block_s))
     spectra = np.array([[np.fft.rfft(w.samples[first : first + period])[5:300] for w in waves] for waves in rounds])
     powers = np.einsum("ril,rjl->lij", spectra, spectra.conj())
@@ -57,16 +57,16 @@ def test_periodic_waves_of_as_many_rounds_as_shakers_are_orthogonal_at_every_lin
 @pytest.mark.parametrize("signal", ["random", "burst-random"])
 def test_random_waves_have_nothing_in_common(signal: Broadband) -> None:
     plan = plan_of(signal, blocks=20)
-    one, other = waves_of(plan, "low", 0, layout_of(plan, 20, plan.block_s), 2)
+    one, other = make_waves(plan, "low", 0, wave_layout(plan, 20, plan.block_s), 2)
     assert abs(np.corrcoef(one.samples, other.samples)[0, 1]) < 0.05
 
 
 @pytest.mark.parametrize("signal", BROADBAND)
 def test_the_first_shaker_plays_what_it_plays_alone_in_its_first_wave(signal: Broadband) -> None:
     plan = plan_of(signal)
-    layout = layout_of(plan, 2, plan.block_s)
-    alone = wave_of(plan, "low", 0, layout)
-    np.testing.assert_array_equal(waves_of(plan, "low", 0, layout, 2)[0].samples, alone.samples)
+    layout = wave_layout(plan, 2, plan.block_s)
+    alone = make_wave(plan, "low", 0, layout)
+    np.testing.assert_array_equal(make_waves(plan, "low", 0, layout, 2)[0].samples, alone.samples)
 
 
 def test_blocks_are_shared_out_among_the_waves_of_a_periodic_drive() -> None:
@@ -188,22 +188,22 @@ def test_force_plugs_that_have_changed_places_are_found_in_the_first_block(
 
 def test_each_force_follows_its_own_drive_whatever_the_converter_delays() -> None:
     plan = plan_of("pseudo-random")
-    layout = layout_of(plan, 3, plan.block_s)
-    waves = waves_of(plan, "low", 1, layout, 3)
+    layout = wave_layout(plan, 3, plan.block_s)
+    waves = make_waves(plan, "low", 1, layout, 3)
     times = layout.lead_s + np.arange(2048) / 2000.0
     mixed = np.eye(3) + 0.4 * (1 - np.eye(3))
     for delay_s in (0.0, 0.004, 0.02):
         forces = mixed @ np.stack([wave.at(times - delay_s) for wave in waves])
-        assert drive_followed_by_each_force(forces, waves, layout.lead_s, 2000.0) == [0, 1, 2]
-        assert drive_followed_by_each_force(forces[[2, 1, 0]], waves, layout.lead_s, 2000.0) == [2, 1, 0]
+        assert match_forces_to_drives(forces, waves, layout.lead_s, 2000.0) == [0, 1, 2]
+        assert match_forces_to_drives(forces[[2, 1, 0]], waves, layout.lead_s, 2000.0) == [2, 1, 0]
 
 
 def test_chirps_are_alike_in_one_wave_and_each_force_is_taken_for_its_own() -> None:
     plan = plan_of("chirp")
-    layout = layout_of(plan, 3, plan.block_s)
-    waves = waves_of(plan, "low", 0, layout, 2)
+    layout = wave_layout(plan, 3, plan.block_s)
+    waves = make_waves(plan, "low", 0, layout, 2)
     times = layout.lead_s + np.arange(2048) / 2000.0
-    assert drive_followed_by_each_force(np.stack([w.at(times) for w in waves[::-1]]), waves, layout.lead_s, 2000.0) == [
+    assert match_forces_to_drives(np.stack([w.at(times) for w in waves[::-1]]), waves, layout.lead_s, 2000.0) == [
         0,
         1,
     ]

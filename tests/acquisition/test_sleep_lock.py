@@ -8,7 +8,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from modallab.acquisition.process.child import keep_awake
+from modallab.acquisition.process.child import prevent_sleep
 
 INHIBIT = """#!/bin/sh
 echo "$@" > "{log}"
@@ -34,7 +34,7 @@ def holders() -> list[psutil.Process]:
 
 
 def test_sleep_is_held_off_for_as_long_as_the_test_drives(inhibitor: Path) -> None:
-    with keep_awake() as said:
+    with prevent_sleep() as said:
         assert said == "this machine is kept awake"
         assert holders()
     assert not holders()
@@ -45,14 +45,14 @@ def test_sleep_is_held_off_for_as_long_as_the_test_drives(inhibitor: Path) -> No
 def test_where_it_cannot_be_held_off_the_notice_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("PATH", str(tmp_path))
-    with keep_awake() as said:
+    with prevent_sleep() as said:
         assert "could NOT be kept awake (there is no systemd-inhibit)" in said
 
 
 def test_one_that_is_rejected_is_no_success(inhibitor: Path) -> None:
     script = inhibitor.parent / "systemd-inhibit"
     script.write_text("#!/bin/sh\nexit 1\n")
-    with keep_awake() as said:
+    with prevent_sleep() as said:
         assert "systemd-inhibit was rejected" in said
 
 

@@ -129,7 +129,7 @@ def test_another_makers_dialect_is_rejected_naming_the_field(instrument: Instrum
 
 def test_a_value_that_was_clipped_is_seen_and_the_output_is_off(instrument: Instrument, rig: Rig):
     generator = open_generator(instrument.rig(rig))
-    instrument.pty.fault("clipped-set-point 0.2")
+    instrument.pty.arm_fault("clipped-set-point 0.2")
     generator.play(BURST, 0, RATE_HZ)
     with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator reports .*0\.2|2\.0+E-01"):
         pace(instrument, generator, 0, 1000)
@@ -147,10 +147,10 @@ def test_a_dead_line_and_a_pulled_plug_are_devices_that_are_gone(
 ):
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.1)
     generator = open_generator(keysight.rig(rig))
-    keysight.pty.fault("dead-line")
+    keysight.pty.arm_fault("dead-line")
     with pytest.raises(DeviceGoneError, match="no answer"):
         generator.set("frequency", 10.0)
-    keysight.pty.fault("unplugged")
+    keysight.pty.arm_fault("unplugged")
     with pytest.raises(DeviceGoneError):
         generator.set("frequency", 10.0)
     with pytest.raises(DeviceGoneError, match=r"excitation\.output"):

@@ -58,7 +58,7 @@ def test_a_hand_at_the_front_panel_is_noticed_within_a_poll_and_ends_the_burst(
     generator = bench.open()
     generator.play(BURST, 0, RATE_HZ)
     tick_through(generator, 0, 400)
-    bench.port.fault(f"front-panel {change}")
+    bench.port.arm_fault(f"front-panel {change}")
     with pytest.raises(OutputLostError, match=f"{change.split()[0]}: .* was set, the generator now reports"):
         tick_through(generator, 400, 600)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
@@ -70,7 +70,7 @@ def test_a_hand_at_the_front_panel_is_noticed_within_a_poll_and_ends_the_burst(
 
 def test_a_generator_that_was_switched_off_and_on_is_noticed_before_the_next_burst(bench: Bench):
     generator = bench.open()
-    bench.port.fault("power-cycle")
+    bench.port.arm_fault("power-cycle")
     with pytest.raises(OutputLostError, match="switched off and on"):
         generator.play(BURST, 0, RATE_HZ)
     generator.play(BURST, 0, RATE_HZ)
@@ -80,7 +80,7 @@ def test_a_generator_that_was_switched_off_and_on_is_noticed_before_the_next_bur
 def test_what_was_changed_in_the_last_moment_of_a_block_is_seen_when_its_facts_are_asked(bench: Bench):
     generator, _ = holding(bench)
     assert generator.facts() == {"generator_frequency_hz": 50.0, "generator_amplitude_v": 1.0}
-    bench.port.fault("front-panel amplitude 3")
+    bench.port.arm_fault("front-panel amplitude 3")
     with pytest.raises(OutputLostError, match="amplitude"):
         generator.facts()
 
@@ -88,7 +88,7 @@ def test_what_was_changed_in_the_last_moment_of_a_block_is_seen_when_its_facts_a
 def test_a_late_answer_answers_no_other_question(bench: Bench, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.6)
     generator, began = holding(bench)
-    bench.port.fault("late-answer 0.8")
+    bench.port.arm_fault("late-answer 0.8")
     with pytest.raises(OutputLostError, match=r"no answer within.*the generator answers again"):
         bench.pace(generator, began, 2.0)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
@@ -99,7 +99,7 @@ def test_a_late_answer_answers_no_other_question(bench: Bench, monkeypatch: pyte
 def test_a_line_that_dies_in_a_burst_names_the_amplifier(bench: Bench, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.2)
     generator, began = holding(bench)
-    bench.port.fault("dead-line")
+    bench.port.arm_fault("dead-line")
     with pytest.raises(DeviceGoneError, match=r"ends by itself only after at most \d\.\d+ s") as raised:
         bench.pace(generator, began, 2.0)
     assert "amplifier off by hand" in raised.value.remedy
@@ -122,7 +122,7 @@ def test_a_line_that_cannot_be_used_is_named_before_anything_is_driven(
     bench: Bench, way: str, fault: str, named: str, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.2)
-    bench.port.fault(fault)
+    bench.port.arm_fault(fault)
     if (way, fault) == ("hislip", "wrong-terminator"):
         # There the protocol marks the end of an answer, and what stands at its end is of no matter.
         bench.open().close()
@@ -134,7 +134,7 @@ def test_a_line_that_cannot_be_used_is_named_before_anything_is_driven(
 
 def test_a_generator_that_ignores_off_while_it_holds_an_error_is_brought_down(bench: Bench):
     generator, _ = holding(bench)
-    bench.port.fault("stays-on error")
+    bench.port.arm_fault("stays-on error")
     generator.zero()
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
     generator.close()
@@ -142,7 +142,7 @@ def test_a_generator_that_ignores_off_while_it_holds_an_error_is_brought_down(be
 
 def test_a_generator_that_stays_on_is_at_its_lowest_and_names_the_amplifier(bench: Bench):
     generator, _ = holding(bench)
-    bench.port.fault("stays-on always")
+    bench.port.arm_fault("stays-on always")
     with pytest.raises(DeviceGoneError, match="still") as raised:
         generator.zero()
     assert "amplifier off by hand" in raised.value.remedy
@@ -151,7 +151,7 @@ def test_a_generator_that_stays_on_is_at_its_lowest_and_names_the_amplifier(benc
 
 def test_an_amplitude_that_is_taken_otherwise_is_rejected(bench: Bench):
     generator = bench.open()
-    bench.port.fault("coerced-set-point 0.9")
+    bench.port.arm_fault("coerced-set-point 0.9")
     began = time.monotonic()
     generator.play(BURST, 0, RATE_HZ)
     with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator reports"):

@@ -9,7 +9,7 @@ import pytest
 from ni_server import NiServer
 from two_shakers import TIP, two_shakers
 
-from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
+from modallab.acquisition.procedures.broadband_wave import make_waves, wave_layout
 from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench, open_output
@@ -32,8 +32,8 @@ PLAN = BroadbandPlan(
     wait_s=0.5,
     band_hz=(5.0, 300.0),
 )
-LAYOUT = layout_of(PLAN, 3, PLAN.block_s)
-WAVES = waves_of(PLAN, "low", 1, LAYOUT, 2)
+LAYOUT = wave_layout(PLAN, 3, PLAN.block_s)
+WAVES = make_waves(PLAN, "low", 1, LAYOUT, 2)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.procedures.broadband_wave import layout_of, wave_of
+from modallab.acquisition.procedures.broadband_wave import make_wave, wave_layout
 from modallab.acquisition.process.run import record_run
 from modallab.bench.capabilities import PlaysWaves
 from modallab.bench.loader import open_bench
@@ -28,8 +28,8 @@ def test_a_wave_is_played_as_it_was_computed_and_ends_at_zero(rig: Rig):
         rate_hz = bench.configure(AcquisitionRequest("pseudo-random", RATE_HZ)).rate_hz
         bench.start()
         bench.read(400, 2.0)
-        layout = layout_of(PLAN, 3, PLAN.block_s)
-        wave = wave_of(PLAN, "low", 0, layout)
+        layout = wave_layout(PLAN, 3, PLAN.block_s)
+        wave = make_wave(PLAN, "low", 0, layout)
         start = bench.play_wave(wave)
         volts = bench.read(round((layout.end_s + 1.0) * rate_hz), 20.0).samples[0]
         first, count = start - 400 + round(layout.lead_s * rate_hz), round(PLAN.block_s * rate_hz)

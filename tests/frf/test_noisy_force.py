@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from modallab.core.errors import DataError
-from modallab.frf.local_polynomial import local_polynomial_frf, one_force_frf
+from modallab.frf.local_polynomial import frf_of_one_force, local_polynomial_frf
 
 N, RATE = 32768, 512.0
 LINES = np.arange(64 * 35, 64 * 100)
@@ -38,7 +38,7 @@ def records(on_force: float, on_response: float) -> tuple[np.ndarray, np.ndarray
 def gain(estimator: str, on_force: float, on_response: float, least: float = 0.0) -> float:
     """Median of what is found over what is true, on lines where the true is at least such a share of its largest."""
     force, response, true = records(on_force, on_response)
-    found, _ = one_force_frf(force, response, estimator)
+    found, _ = frf_of_one_force(force, response, estimator)
     strong = np.abs(true) >= least * np.abs(true).max(axis=1, keepdims=True)
     return float(np.median((np.abs(found[:, 0]) / np.abs(true))[strong]))
 
@@ -62,16 +62,16 @@ def test_noise_on_the_responses_raises_h2_alone_above_what_is_true() -> None:
 )
 def test_without_noise_the_record_that_begins_ringing_is_no_trouble(estimator: str) -> None:
     force, response, true = records(0.0, 0.0)
-    found, _ = one_force_frf(force, response, estimator)
+    found, _ = frf_of_one_force(force, response, estimator)
     assert np.linalg.norm(found[:, 0] - true) < 1e-3 * np.linalg.norm(true)
 
 
 def test_h1_is_that_of_the_local_polynomials() -> None:
     force, response, _ = records(NOISE, 0.1)
-    np.testing.assert_array_equal(one_force_frf(force, response, "H1")[0], local_polynomial_frf(force, response)[0])
+    np.testing.assert_array_equal(frf_of_one_force(force, response, "H1")[0], local_polynomial_frf(force, response)[0])
 
 
 def test_several_forces_have_no_h2_of_this_kind() -> None:
     force, response, _ = records(NOISE, 0.1)
     with pytest.raises(DataError, match="H2 of 2 forces"):
-        one_force_frf(np.concatenate([force, force], axis=1), response, "H2")
+        frf_of_one_force(np.concatenate([force, force], axis=1), response, "H2")

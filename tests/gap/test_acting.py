@@ -9,7 +9,7 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.overtones import harmonics_in_record
 from modallab.gap.conditioning.prepare import prepare_campaign
-from modallab.gap.model.fit import Problem, evaluated
+from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import place, placed_by_overtones
@@ -60,7 +60,7 @@ def test_a_spring_acts_at_its_place_and_friction_at_the_root(make: Callable[...,
 
 
 def test_a_law_is_not_looked_for_where_the_overtones_show_another_place(cracked: Bench) -> None:
-    base = evaluated(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
+    base = fit_at(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
     crack, friction = (model_of(e.effect).candidates(cracked.data.rig)[0] for e in (CRACK, FRICTION))
     begun = placed_by_overtones(cracked, base, crack)
     assert begun is not None

@@ -9,7 +9,7 @@ from twin_campaign import built, link
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.rows import ImpactData, Reduced
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
@@ -32,9 +32,9 @@ def elsewhere() -> Fit:
     k3, x = candidate.slots
     u = np.concatenate([np.zeros(bench.free.size), [k3.coordinate(K3), x.coordinate(PLACE)]])
     twin = problem.twin(u)
-    shape = abs(solve_modes(twin.structure).at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
+    shape = abs(solve_modes(twin.structure).shapes_at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
     u[-2:] = k3.coordinate(K3 * (shape[0] / shape[1]) ** 4), x.coordinate(ELSEWHERE)
-    return evaluated(replace(problem, data=struck(bench.data, twin)), u)
+    return fit_at(replace(problem, data=struck(bench.data, twin)), u)
 
 
 def struck(data: Reduced, twin: Twin) -> Reduced:
@@ -59,7 +59,7 @@ def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
 def test_a_law_that_does_nothing_has_no_better_place(elsewhere: Fit) -> None:
     u = elsewhere.u.copy()
     u[-2] = elsewhere.problem.candidates[0].slots[0].coordinate(1e-12)
-    nothing = evaluated(elsewhere.problem, u)
+    nothing = fit_at(elsewhere.problem, u)
     assert best_along_beam(nothing).cost <= nothing.cost
 
 
@@ -67,7 +67,7 @@ def test_a_law_that_is_tied_to_no_mode_stays_where_it_is(elsewhere: Fit) -> None
     (root,) = model_of("clamp_friction").candidates(elsewhere.problem.data.rig)
     own = [s.coordinate(s.starts[0]) for s in root.slots]
     problem = Problem(elsewhere.problem.data, elsewhere.problem.free, (root,))
-    fit = evaluated(problem, np.concatenate([np.zeros(problem.free.size), own]))
+    fit = fit_at(problem, np.concatenate([np.zeros(problem.free.size), own]))
     assert best_along_beam(fit) is fit
 
 

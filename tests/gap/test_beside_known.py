@@ -13,7 +13,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.revisions import with_diagnosis
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
@@ -39,13 +39,13 @@ def bench(make: Callable[..., Campaign], rig: Rig) -> Bench:
 def base(bench: Bench) -> Fit:
     """The element on the beam that fits without it: near enough."""
     beam = baseline(replace(bench, free=replace(bench.free, stepped=False)))
-    return evaluated(Problem(bench.data, bench.free, ()), beam.u)
+    return fit_at(Problem(bench.data, bench.free, ()), beam.u)
 
 
 def test_a_beam_without_what_the_known_element_adds_leaves_the_same(bench: Bench, base: Fit) -> None:
     linear, free = linear_part(bench, base), replace(bench.free, stepped=False)
     assert knows_element(base)
-    begin = evaluated(Problem(linear.data, free, ()), base.u)
+    begin = fit_at(Problem(linear.data, free, ()), base.u)
     assert not knows_element(begin)
     np.testing.assert_allclose(begin.residual, base.residual, atol=1e-6 * np.abs(base.residual).max())
 

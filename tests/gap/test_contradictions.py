@@ -8,18 +8,18 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.contradictions import common_shift
+from modallab.gap.report.contradictions import common_frequency_shift
 
 
 def test_a_common_factor_of_all_frequencies_is_found_even_where_modes_are_missing() -> None:
     model = np.array([4.7, 30.0, 85.0, 165.0, 273.0])
-    shift, share = common_shift(model[[0, 2, 3]] * 0.8, model)
+    shift, share = common_frequency_shift(model[[0, 2, 3]] * 0.8, model)
     assert np.exp(shift) == pytest.approx(0.8, rel=2e-3)
     assert share == 1.0
 
 
 def test_frequencies_of_no_common_factor_agree_with_none() -> None:
-    assert common_shift(np.array([5.0, 9.0, 13.0]), np.array([4.7, 30.0, 85.0, 165.0]))[1] < 0.99
+    assert common_frequency_shift(np.array([5.0, 9.0, 13.0]), np.array([4.7, 30.0, 85.0, 165.0]))[1] < 0.99
 
 
 @pytest.mark.thorough("diagnoses a whole campaign")

@@ -11,7 +11,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.candidates import channel_candidates
-from modallab.gap.model.fit import Problem, evaluated
+from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import finish, short_fit
 from modallab.gap.unknown.fitted import element
@@ -47,7 +47,7 @@ def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
 
     def cost(tension: float) -> float:
         own = [slot.coordinate(tension) for slot in law.slots]
-        return evaluated(problem, np.array([*np.zeros(bench.free.size), *own])).cost
+        return fit_at(problem, np.array([*np.zeros(bench.free.size), *own])).cost
 
     assert np.isfinite(cost(-1.1 * buckling))
     assert cost(-1.1 * buckling) > cost(-0.5 * buckling) > cost(0.0)

@@ -14,7 +14,7 @@ from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.candidates import beam_candidates, channel_candidates
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.search.intervals import deviations, interval, intervals, relative_tolerance
@@ -91,7 +91,7 @@ def test_a_place_is_known_no_better_than_the_effect_explains_the_gap(rig: Rig, d
     (mass,) = (c for c in beam_candidates(rig) if c.effect == "added_mass")
     free = nuisances(rig, 450.0)
     at = dict(zip([s.name for s in mass.slots], [np.log(0.05), x], strict=True))
-    wrong = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
+    wrong = fit_at(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
     (believed,) = intervals(wrong)
     within = believed.within["x"]
     # It explains nothing: the place is open over a tenth of the beam at least, thousands of times what noise leaves.

@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare_campaign
-from modallab.gap.model.fit import Problem, evaluated
+from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.harmonics import levels_differ
 from modallab.gap.report.initial_gap import TOP_HZ, problem_of_records
@@ -19,7 +19,7 @@ def as_the_rig_says(rig, make, *effects):
     prepared = prepare_campaign(make(*effects, tests=("sine",)))
     free = nuisances(rig, TOP_HZ)
     bench = problem_of_records(prepared, prepared.blocks, free, lambda _: True)
-    return evaluated(Problem(bench.data, free, ()), np.zeros(free.size))
+    return fit_at(Problem(bench.data, free, ()), np.zeros(free.size))
 
 
 @pytest.mark.parametrize(("effects", "differ"), [((CUBIC,), True), ((MASS,), False), ((HEAVY,), False), ((), False)])
@@ -32,4 +32,4 @@ def test_without_sines_no_level_can_disagree(rig, make):
     prepared = prepare_campaign(make(CUBIC, tests=("impact",)))
     free = nuisances(rig, TOP_HZ)
     bench = problem_of_records(prepared, prepared.blocks, free, lambda _: True)
-    assert not levels_differ(evaluated(Problem(bench.data, free, ()), np.zeros(free.size)))
+    assert not levels_differ(fit_at(Problem(bench.data, free, ()), np.zeros(free.size)))

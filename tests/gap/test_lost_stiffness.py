@@ -6,7 +6,7 @@ from shear_frame import CLAMPS, ROLLERS, frf, model, rig
 from modallab.core.effect import BetweenPoints, NearPoint
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.gap.words.effects import with_numbers
+from modallab.gap.words.effects import effect_with_numbers
 
 
 def diagnosed(beneath: float, lost: tuple[int, float], frfs: bool = True) -> ModalDiagnosis:
@@ -23,7 +23,7 @@ def test_a_column_that_lost_stiffness_is_found_between_its_floors(column: int, k
     assert found.parameters["k"] == pytest.approx(k, rel=0.03)
     assert isinstance(found.place, BetweenPoints)
     assert found.place.points == (column, column + 1)
-    assert f"stiffness loss between points {column} and {column + 1}, along x: stiffness " in with_numbers(found)
+    assert f"stiffness loss between points {column} and {column + 1}, along x: stiffness " in effect_with_numbers(found)
 
 
 @pytest.mark.thorough("identifies and compares a frame")
@@ -31,7 +31,9 @@ def test_a_column_that_lost_stiffness_is_found_between_its_floors(column: int, k
 def test_a_brace_is_a_spring_between_its_floors(column: int, k: float) -> None:
     (found,) = diagnosed(ROLLERS, (column, -k)).effects
     assert (found.effect, found.parameters["k"]) == ("ground_spring", pytest.approx(k, rel=0.03))
-    assert with_numbers(found).startswith(f"spring between points {column} and {column + 1}, along x: stiffness ")
+    assert effect_with_numbers(found).startswith(
+        f"spring between points {column} and {column + 1}, along x: stiffness "
+    )
 
 
 @pytest.mark.thorough("identifies and compares a frame")

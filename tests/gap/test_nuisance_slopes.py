@@ -5,7 +5,7 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
+from modallab.gap.conditioning.reduce import reduce_blocks, select_lines
 from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
@@ -21,7 +21,7 @@ STEP = 2e-3
 def data() -> Reduced:
     campaign = built(RIG)
     whole = reduce_blocks(campaign, campaign.blocks, Weights(np.full(len(RIG.channels), 3e-4)))
-    return thin_lines(whole, np.array([2j * np.pi * f for f in (4.9, 30.8, 86.0)]))
+    return select_lines(whole, np.array([2j * np.pi * f for f in (4.9, 30.8, 86.0)]))
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.residual_shares import unexplained
@@ -43,10 +43,10 @@ def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
     """The crack at its place, so large and so wide; no crack at 0."""
     problem = Problem(on.data, on.free)
     if not loss:
-        return evaluated(problem, np.zeros(on.free.size))
+        return fit_at(problem, np.zeros(on.free.size))
     candidate = model_of("breathing_crack").candidates(on.data.rig)[0]
     own = [s.coordinate({"EI_loss_open": loss, "width": width, "x": 0.31}[s.name]) for s in candidate.slots]
-    return evaluated(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
+    return fit_at(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
 
 
 def overtone_scale(on: Bench, fit: Fit) -> float:

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from modallab.core.effect import AlongBeam, Place, PlaceOnStructure, place_as_shares, place_in_metres
+from modallab.core.effect import AlongBeam, Place, PlaceOnStructure, place_in_metres, place_relative_to_length
 from modallab.core.effects import Effect, catalogue
 from modallab.core.field_errors import error_sentences
 
@@ -54,4 +54,4 @@ def test_what_is_no_place_on_a_beam_raises_one_error(wrong: dict[str, object]) -
 def test_metres_are_a_reports_and_shares_the_catalogues() -> None:
     place = place_in_metres(AlongBeam(x=0.5), 0.8)
     assert place.model_dump() == {"x": 0.5, "x_m": 0.4}
-    assert place_as_shares(place) == AlongBeam(x=0.5)
+    assert place_relative_to_length(place) == AlongBeam(x=0.5)

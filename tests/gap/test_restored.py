@@ -14,11 +14,11 @@ from modallab.core.hold_out import MIXED, SPREAD
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.records import split_held_out
 from modallab.gap.conditioning.reduce import reduce_blocks
-from modallab.gap.design.planned import nominal_weights
+from modallab.gap.design.planned import weights_by_converter_noise
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Problem, evaluated
+from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.model.restored import coordinates_of, first_fit_of
+from modallab.gap.model.restored import coordinates_of_twin, start_from_diagnosis
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.search.best_place import at_best_place
 
@@ -36,20 +36,20 @@ def as_built(campaign: Campaign) -> Rig:
 
 def test_the_numbers_of_a_fit_come_back_from_its_document(few: Campaign) -> None:
     rig = as_built(few)
-    data = reduce_blocks(few, few.blocks, nominal_weights(rig))
+    data = reduce_blocks(few, few.blocks, weights_by_converter_noise(rig))
     free = nuisances(rig, 450.0, [(0.6, 2), (1.0, 2), (0.3, 2)])
     u = np.random.default_rng(1).uniform(-3.4, 3.4, free.size)
     u[-1] = 0.7
-    said = calibrated_twin(evaluated(Problem(data, free), u), data)
-    assert coordinates_of(said, free) == pytest.approx(u, abs=1e-6)
+    said = calibrated_twin(fit_at(Problem(data, free), u), data)
+    assert coordinates_of_twin(said, free) == pytest.approx(u, abs=1e-6)
 
 
 def test_what_the_document_does_not_mention_is_as_the_rig_file_has_it(few: Campaign) -> None:
     rig = as_built(few)
-    data = reduce_blocks(few, few.blocks, nominal_weights(rig))
+    data = reduce_blocks(few, few.blocks, weights_by_converter_noise(rig))
     before, after = (nuisances(rig, 450.0, hits) for hits in ([(0.6, 2)], [(0.6, 2), (0.9, 5)]))
-    said = calibrated_twin(evaluated(Problem(data, before), np.full(before.size, 0.5)), data)
-    found = coordinates_of(said, after)
+    said = calibrated_twin(fit_at(Problem(data, before), np.full(before.size, 0.5)), data)
+    found = coordinates_of_twin(said, after)
     new = [k for k, d in enumerate(after.deviations) if d.at == 0.9 and d.tolerance.startswith("hit")]
     assert new
     assert np.all(found[[after.first_deviation + k for k in new]] == 0)
@@ -57,13 +57,13 @@ def test_what_the_document_does_not_mention_is_as_the_rig_file_has_it(few: Campa
 
 
 def test_an_explanation_begins_with_its_own_effect(few: Campaign) -> None:
-    data = reduce_blocks(few, few.blocks, nominal_weights(few.rig))
+    data = reduce_blocks(few, few.blocks, weights_by_converter_noise(few.rig))
     (said, *_) = remaining_explanations(few.rig, MASS).candidates
-    problem, u = first_fit_of(said, data, nuisances(few.rig, 450.0))
+    problem, u = start_from_diagnosis(said, data, nuisances(few.rig, 450.0))
     (effect,) = problem.effects(u)
     assert effect.parameters["mass"] == pytest.approx(0.05)
     assert effect.place.x == pytest.approx(0.8)
-    held, v = first_fit_of(said, data, nuisances(few.rig, 450.0), in_place=True)
+    held, v = start_from_diagnosis(said, data, nuisances(few.rig, 450.0), in_place=True)
     assert len(v) == len(u) - 1
     assert held.effects(v)[0].place.x == pytest.approx(0.8)
 
@@ -72,18 +72,18 @@ def test_an_effect_that_the_rig_cannot_have_is_said_so(few: Campaign) -> None:
     hung = Effect(effect="shaker_mass", parameters={"mass": 0.1}, place={"x": 0.4})
     (said, *_) = remaining_explanations(few.rig, hung).candidates
     bare = few.rig.model_copy(update={"shaker_point": None})
-    data = reduce_blocks(few, few.blocks, nominal_weights(bare))
+    data = reduce_blocks(few, few.blocks, weights_by_converter_noise(bare))
     with pytest.raises(DataError, match="no fit looks for shaker_mass"):
-        first_fit_of(said, replace(data, rig=bare), nuisances(bare, 450.0))
+        start_from_diagnosis(said, replace(data, rig=bare), nuisances(bare, 450.0))
 
 
 def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None:
     fitted, _ = split_held_out(few.blocks, SPREAD)
-    data = reduce_blocks(few, fitted, nominal_weights(few.rig))
+    data = reduce_blocks(few, fitted, weights_by_converter_noise(few.rig))
     free = nuisances(few.rig, 450.0)
     mass = next(c for c in beam_candidates(few.rig) if c.effect == "added_mass")
     own = [s.coordinate({"mass": 0.02, "x": 0.35}[s.name]) for s in mass.slots]
-    stuck = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), own]))
+    stuck = fit_at(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), own]))
     found = at_best_place(stuck)
     assert found.effects[0].place.x == pytest.approx(0.8, abs=0.01)
     assert found.gap < 2.0

@@ -7,7 +7,7 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.block import Block
-from modallab.gap.conditioning.noise import measured_row_noise, noise_of_rig_file, rising_power
+from modallab.gap.conditioning.noise import low_frequency_noise_power, measured_row_noise, noise_of_rig_file
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 
 WHITE = 3e-4 * np.linspace(0.7, 1.6, 11)
@@ -41,4 +41,4 @@ def test_noise_that_rises_is_distinguished_from_white_noise(rising_v2: float) ->
     blocks = noisy(rising_v2)
     rig = link()
     own = measured_row_noise(blocks, noise_of_rig_file(rig, blocks), rig.force_channel.index)
-    assert rising_power(blocks, own) == pytest.approx(rising_v2, rel=0.35, abs=1e-9)
+    assert low_frequency_noise_power(blocks, own) == pytest.approx(rising_v2, rel=0.35, abs=1e-9)

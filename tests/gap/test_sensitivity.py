@@ -15,7 +15,7 @@ from modallab.gap.model.candidates import beam_candidates, channel_candidates
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.model.sensitivity import smooth_in
+from modallab.gap.model.sensitivity import differ_smoothly
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.modes import solve_modes
 
@@ -71,7 +71,7 @@ def test_beside_every_effect_the_beam_goes_through_poles_and_residues(rig: Rig, 
     u = np.concatenate([np.zeros(problem.free.size), [s.coordinate(s.starts[0]) for s in candidate.slots]])
     softer = u.copy()
     softer[0] -= STEP
-    assert smooth_in(problem.twin(u), problem.twin(softer))
+    assert differ_smoothly(problem.twin(u), problem.twin(softer))
 
 
 def test_a_drift_beside_leaves_the_slopes_right(rig: Rig, data: Reduced) -> None:

@@ -18,7 +18,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import write_rig
-from modallab.gap.design.prediction import predict_records, with_records
+from modallab.gap.design.prediction import predict_records, replace_responses
 from modallab.gap.export.chain import chain_of_structure
 from modallab.gap.export.forms import FORMS, FormError, measure_form, write_form
 from modallab.gap.export.mjcf import mujoco_simulation, write_mjcf
@@ -236,7 +236,7 @@ def test_mujoco_has_the_springs_that_depend_on_the_size_of_the_motion(rig: Rig, 
     linear = predict_records(made_diagnosis(rig, verdict="no_gap"), hit)[ONE[0]]
     # What the law does is no small part of it.
     assert np.linalg.norm(linear - own) > 0.1 * np.linalg.norm(own)
-    found = measure_form(FORMS["mjcf"], diagnosis, with_records(hit, {ONE[0]: own}), ["impact"], None)
+    found = measure_form(FORMS["mjcf"], diagnosis, replace_responses(hit, {ONE[0]: own}), ["impact"], None)
     assert found.closed is not None
     assert found.closed > 0.95
 

@@ -67,7 +67,7 @@ def test_first_order_modes_follow_a_small_change(change: dict[str, object]) -> N
     moved = exact.poles[:8] - before.poles[:8]
     assert np.allclose(near.poles[:8] - before.poles[:8], moved, atol=2e-3 * float(np.max(np.abs(moved))))
     # A shape's sign is free, a residue's is not.
-    residues = [(m.at(x) * m.at(0.54)[0])[:, :6] for m in (exact, near, before)]
+    residues = [(m.shapes_at(x) * m.shapes_at(0.54)[0])[:, :6] for m in (exact, near, before)]
     step = residues[0] - residues[2]
     assert np.allclose(residues[1] - residues[2], step, atol=0.02 * float(np.max(np.abs(step))))
 

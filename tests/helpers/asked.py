@@ -93,8 +93,8 @@ def _known(lab: Lab) -> str:
         "n": [block.n for block in service.store.catalogue.blocks(runs[0])],
         "name": ["report.html", "models.json"],
         "item": [item.id for item in RunQueue(service.engine).open(RIG)],
-        "user": [user.name for user in users.all()],
-        "token": [token.id for user in users.all() for token in users.tokens(user.name)],
+        "user": [user.name for user in users.all_users()],
+        "token": [token.id for user in users.all_users() for token in users.tokens(user.name)],
     }
     bound = {f"path.{name}": name for name in names} | {"header.Modallab-Lease": "lease"}
     names["lease"] = [lab.lease().id]

@@ -14,7 +14,7 @@ from modallab.core.rig import Rig
 from modallab.jobs.job import JobDefinition
 from modallab.jobs.leases import JobLeases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
-from modallab.service.api.rigs import state_of
+from modallab.service.api.rigs import process_state
 from modallab.service.campaigns.queueing import queue_run
 from modallab.service.campaigns.run_start import begin_run
 from modallab.service.jobs.campaign_jobs import order_job
@@ -45,7 +45,7 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
         order_job(lab.service, campaign, "report", JobRequest(), "Ada")
         _let_people_in(lab)
         new = QueueItemRequest(campaign=campaign, plan=ImpactPlan(points=(10,)))
-        queue_run(lab.service, state_of(lab.service, RIG), new, "Ada")
+        queue_run(lab.service, process_state(lab.service, RIG), new, "Ada")
     except BaseException:
         lab.close()
         raise

@@ -76,17 +76,17 @@ class Lab:
         """The first event for which `happened`."""
         end = time.monotonic() + within_s
         while time.monotonic() < end:
-            for event in self.service.log.after(after, 1000):
+            for event in self.service.log.events_after(after, 1000):
                 if happened(event):
                     return event
                 after = event.seq
             time.sleep(0.02)
-        raise AssertionError(f"not within {within_s} s: {self.service.log.after(0, 1000)[-5:]}")
+        raise AssertionError(f"not within {within_s} s: {self.service.log.events_after(0, 1000)[-5:]}")
 
     def events(self, kind: str) -> list[EventView]:
         """All events of a kind so far, oldest first."""
         found: list[EventView] = []
-        while page := self.service.log.after(found[-1].seq if found else 0, 10_000):
+        while page := self.service.log.events_after(found[-1].seq if found else 0, 10_000):
             found += page
         return [event for event in found if event.kind == kind]
 

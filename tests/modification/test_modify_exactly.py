@@ -14,7 +14,7 @@ from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.inverse import By, best_absorber, changes_for_free_band, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
-from modallab.modification.remainder import intervals_of_rest
+from modallab.modification.remainder import pole_intervals_of_remainder
 from modallab.modification.structure import structure_of
 from modallab.reporting.modification_table import modified_rows
 
@@ -163,7 +163,7 @@ def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
 
 def test_modes_of_the_rest_lie_between_those_of_both() -> None:
     """A change of rank one: modes of the two apart and those of both take turns."""
-    low, high = intervals_of_rest(structure_of(_joined(OTHER).model()), structure_of(OTHER.model())).T
+    low, high = pole_intervals_of_remainder(structure_of(_joined(OTHER).model()), structure_of(OTHER.model())).T
     own = np.sort(BARE.poles().imag)
     assert np.all((low < own) & (own <= high))
 

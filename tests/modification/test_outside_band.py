@@ -7,7 +7,7 @@ from scipy.linalg import eigh
 
 from modallab.modification.attachments import Element
 from modallab.modification.known import KnownStructure
-from modallab.modification.outside_band import SQUARES, complete_residuals, draw_residuals
+from modallab.modification.outside_band import SQUARES, complete_residual_terms, draw_residual_terms
 
 POINTS, WITHIN = 30, 10
 
@@ -28,7 +28,7 @@ def test_own_pair_of_a_point_that_was_not_driven_lies_in_its_interval() -> None:
         truth, moved = chain(seed)
         rng = np.random.default_rng(seed)
         driven = list(rng.choice(POINTS, 2, replace=False))
-        found = complete_residuals(truth[None, :, driven], (0,), range(POINTS), driven, moved, 1.0)
+        found = complete_residual_terms(truth[None, :, driven], (0,), range(POINTS), driven, moved, 1.0)
         others = np.setdiff1d(np.arange(POINTS), driven)
         own, alone = np.diag(found.terms[0])[others], found.alone[0, others]
         inside.append(np.abs(np.diag(truth)[others] - own) <= 1.96 * np.hypot(alone, 0.1 * own))
@@ -37,7 +37,7 @@ def test_own_pair_of_a_point_that_was_not_driven_lies_in_its_interval() -> None:
 
 def test_measured_pairs_stay_as_they_were_measured() -> None:
     truth, moved = chain(0)
-    found = complete_residuals(truth[None, :, [3, 17]], (0,), range(POINTS), [3, 17], moved, 1.0)
+    found = complete_residual_terms(truth[None, :, [3, 17]], (0,), range(POINTS), [3, 17], moved, 1.0)
     np.testing.assert_allclose(found.terms[0][:, [3, 17]], truth[:, [3, 17]], rtol=1e-12)
     np.testing.assert_array_equal(found.alone[0, [3, 17]], 0.0)
 
@@ -45,7 +45,7 @@ def test_measured_pairs_stay_as_they_were_measured() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_samples_have_the_expected_mean_and_deviation(sign: float) -> None:
     alone = sign * np.array([[1.0, 4.0, 0.0]])
-    many = draw_residuals(alone, np.random.default_rng(0).standard_normal((40_000, 3, SQUARES)))[:, 0]
+    many = draw_residual_terms(alone, np.random.default_rng(0).standard_normal((40_000, 3, SQUARES)))[:, 0]
     np.testing.assert_allclose(many.mean(axis=0), np.diag(alone[0]), atol=0.06)
     np.testing.assert_allclose(np.diagonal(many.std(axis=0)), np.abs(alone[0]), rtol=0.03)
     assert np.all(sign * np.linalg.eigvalsh(many[:100])[:, [0, -1]] > -1e-9)

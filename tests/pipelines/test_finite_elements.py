@@ -16,7 +16,7 @@ from modallab.gap.modal.narrower import in_band
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.frfs import receptances_of_model
-from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
+from modallab.updating.elements import frf_of_elements, mesh_shapes, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
 K, M, FREEDOMS, NODES = beam(EI, PER_M, LENGTH, 12)
@@ -146,7 +146,7 @@ def test_in_a_narrower_band_a_mode_above_it_is_what_its_terms_hold() -> None:
 def test_the_mesh_moves_as_the_channels_read() -> None:
     """Along a drive that points down it is turned, as modal constants are."""
     how = (CLAMPED, rig(), BAND, (3,))
-    made, found = model_of_elements(*how), mesh_of_elements(*how)
+    made, found = model_of_elements(*how), mesh_shapes(*how)
     assert found is not None
     tip = int(np.argmax(found.places_m[:, 0]))
     here = np.abs(found.motion["z"][tip]) ** 2
@@ -157,4 +157,4 @@ def test_the_mesh_moves_as_the_channels_read() -> None:
 
 def test_a_model_whose_owner_names_nodes_has_no_mesh_in_the_rigs_coordinates() -> None:
     named = FemModel(CLAMPED.modes, {1: 4, 2: 8, 3: 12})
-    assert mesh_of_elements(named, rig(), BAND, (3,)) is None
+    assert mesh_shapes(named, rig(), BAND, (3,)) is None

@@ -28,7 +28,7 @@ from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.frf.broadband import broadband_frf, driven_band
 from modallab.frf.joined import joined_frf
-from modallab.frf.periodic_drive import cut_to_drive_clock, without_decays
+from modallab.frf.periodic_drive import resample_blocks_to_drive_clock, without_decays
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.likelihood.basis import poles_of
@@ -104,7 +104,7 @@ def of_twin(frf: Frf) -> np.ndarray:
     columns = []
     for point in frf.input_points:
         assert point is not None
-        shares = modes.at(seen) * modes.at(RIG.x_of(point))
+        shares = modes.shapes_at(seen) * modes.shapes_at(RIG.x_of(point))
         own, mirrored = (
             residues[:, :, None] / (s - poles[:, None])
             for residues, poles in ((shares, modes.poles), (shares.conj(), modes.poles.conj()))
@@ -116,7 +116,7 @@ def of_twin(frf: Frf) -> np.ndarray:
 def settled(signal: Broadband) -> list[Signals]:
     signals = to_signals_of(recorded(signal).blocks, RIG)
     band = driven_band(signals)
-    signals = cut_to_drive_clock(signals, band)
+    signals = resample_blocks_to_drive_clock(signals, band)
     return without_decays(signals, poles_of(2 * np.pi * TRUE_HZ, TRUE_DAMPING), band)
 
 

@@ -10,7 +10,7 @@ from modallab_simulators.cantilever.address import BenchSettings, parse_address
 from modallab_simulators.cantilever.effect_part import DRIFT_S, AlteredBench
 from modallab_simulators.cantilever.loads import BeamLoad
 from modallab_simulators.cantilever.stream import BenchAtOneRate
-from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth
+from modallab_simulators.cantilever.truth import MOST, NOISE, bench_as_built, draw_truth
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def test_the_address_says_how_well_a_bench_is_built() -> None:
 
 def test_all_is_drawn_within_three_deviations_and_again_by_the_same_seed(rig: Rig) -> None:
     t = rig.tolerance
-    one, again, other = (as_built(AlteredBench(), rig, t, seed, None) for seed in (7, 7, 8))
+    one, again, other = (bench_as_built(AlteredBench(), rig, t, seed, None) for seed in (7, 7, 8))
     assert one.chain.gain == again.chain.gain != other.chain.gain
     gains = np.array(list(one.chain.gain.values())) - 1
     assert 0 < np.max(np.abs(gains)) <= MOST * t.sensitivity
@@ -41,7 +41,7 @@ def test_all_is_drawn_within_three_deviations_and_again_by_the_same_seed(rig: Ri
 
 
 def test_a_rig_file_without_tolerances_of_assembly_leaves_an_ideal_one(rig: Rig) -> None:
-    bare = as_built(AlteredBench(), rig, Tolerance(sensitivity=0.0), 7, None)
+    bare = bench_as_built(AlteredBench(), rig, Tolerance(sensitivity=0.0), 7, None)
     assert set(bare.chain.gain.values()) == {1.0}
     assert bare.structure.waves == bare.structure.attachments == bare.structure.dampers == ()
 

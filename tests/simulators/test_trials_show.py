@@ -9,7 +9,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.gap.conditioning.prepare import prepare_campaign
-from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
+from modallab.gap.conditioning.reduce import reduce_blocks, select_lines
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.twin_of_fit import twin_of
@@ -31,7 +31,7 @@ def fitted(rig: Rig, seed: int, *effects: Effect):
     prepared = prepare_campaign(campaign)
     data = reduce_blocks(campaign, prepared.blocks, weights_of(prepared))
     free = nuisances(campaign.rig, 450.0)
-    bench = Bench(data, thin_lines(data, prepared.poles), free, prepared.poles, lambda _: True)
+    bench = Bench(data, select_lines(data, prepared.poles), free, prepared.poles, lambda _: True)
     return prepared, baseline(bench)
 
 
@@ -95,7 +95,11 @@ def test_what_a_shaking_floor_adds_is_as_large_as_stated_in_both_tests(link: Rig
     assert prepared.rising_v2 < 1e-6
     data = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared))
     bench = Bench(
-        data, thin_lines(data, prepared.poles), nuisances_of_campaign(prepared.campaign), prepared.poles, lambda _: True
+        data,
+        select_lines(data, prepared.poles),
+        nuisances_of_campaign(prepared.campaign),
+        prepared.poles,
+        lambda _: True,
     )
     left = squared_residuals(twin_of(baseline(bench), data), data)
     by_test = left.by(left.tests)

@@ -33,7 +33,7 @@ def in_sine(
     structure = replace(BEAM, root_rotation=1 / 8 if element.law in (NonlinearLaw.PLAY, NonlinearLaw.FRICTION) else 0.0)
     modes = solve_modes(structure)
     steps = records.prepared_steps(modes, couple_to_modes(element, structure, modes), DT, SHAKER)
-    return records.added_in_sine(steps, element.law, 3 + 1j, hz, N, DT, 2.0, 0.5, False)
+    return records.element_response_in_sine(steps, element.law, 3 + 1j, hz, N, DT, 2.0, 0.5, False)
 
 
 def felt(fine: FineSteps, order: int, hz: float) -> NDArray[np.complex128]:
@@ -59,7 +59,7 @@ def test_lines_straight_from_the_steps_are_those_of_the_samples(element: Nonline
 def test_lines_of_a_hit_are_those_of_its_samples(element: NonlinearElement, first: int) -> None:
     modes = solve_modes(BEAM)
     steps = records.prepared_steps(modes, couple_to_modes(element, BEAM, modes), DT, SHAKER)
-    fine = records.added_in_hit(steps, 40 * np.hanning(7), first, N)
+    fine = records.element_response_in_hit(steps, 40 * np.hanning(7), first, N)
     many, few = np.arange(1.0, 400.0), np.array([-24.0, 3.0, 24.0])
     modes_sampled, force_sampled = fine.sampled()
     whole = np.fft.fft(np.concatenate([modes_sampled.real, modes_sampled.imag, force_sampled.T]))
@@ -75,7 +75,7 @@ def test_lines_of_a_hit_are_those_of_its_samples(element: NonlinearElement, firs
 def test_motion_that_grows_without_bound_has_no_lines(element: NonlinearElement) -> None:
     modes = solve_modes(BEAM)
     steps = records.prepared_steps(modes, couple_to_modes(element, BEAM, modes), DT, SHAKER)
-    for fine in (records.added_in_hit(steps, 400 * np.hanning(7), 300, N), in_sine(element, 23.4)):
+    for fine in (records.element_response_in_hit(steps, 400 * np.hanning(7), 300, N), in_sine(element, 23.4)):
         assert np.all(np.isnan(np.concatenate(fine.on_lines(np.array([23.0, 24.0])))))
 
 

@@ -60,7 +60,7 @@ def test_a_root_nearly_rigid_is_rigid() -> None:
 def test_a_small_mass_lowers_each_frequency_by_its_kinetic_energy(x: float) -> None:
     modes, small = solve_modes(RIGID), 1e-5
     moved = solve_modes(replace(RIGID, masses=((x, small),)))
-    phi_squared = np.abs(modes.at(x)[0] ** 2 * 2j * modes.poles.imag)[:4]
+    phi_squared = np.abs(modes.shapes_at(x)[0] ** 2 * 2j * modes.poles.imag)[:4]
     assert moved.frequency_hz[:4] / modes.frequency_hz[:4] - 1 == pytest.approx(
         -small * phi_squared / 2, rel=2e-3, abs=1e-9
     )
@@ -69,7 +69,7 @@ def test_a_small_mass_lowers_each_frequency_by_its_kinetic_energy(x: float) -> N
 def test_a_ground_spring_raises_each_frequency_by_its_potential_energy() -> None:
     modes, k = solve_modes(RIGID), 1e-3
     moved = solve_modes(replace(RIGID, springs=((0.8, k),)))
-    phi_squared = np.abs(modes.at(0.8)[0] ** 2 * 2j * modes.poles.imag)[:4]
+    phi_squared = np.abs(modes.shapes_at(0.8)[0] ** 2 * 2j * modes.poles.imag)[:4]
     expected = k * phi_squared / 2 / (2 * np.pi * modes.frequency_hz[:4]) ** 2
     assert moved.frequency_hz[:4] / modes.frequency_hz[:4] - 1 == pytest.approx(expected, rel=2e-3, abs=1e-10)
 
@@ -80,7 +80,7 @@ def test_a_crack_softens_as_the_compliance_it_adds() -> None:
     modes = solve_modes(RIGID)
     moved = solve_modes(replace(RIGID, losses=((x, share, width),)))
     d = 1e-3
-    curvature = (modes.at(x + d) - 2 * modes.at(x) + modes.at(x - d))[0] / d**2
+    curvature = (modes.shapes_at(x + d) - 2 * modes.shapes_at(x) + modes.shapes_at(x - d))[0] / d**2
     energy = RIGID.bending_stiffness * np.abs(curvature**2 * 2j * modes.poles.imag)[:3]
     expected = -0.5 * share * width * np.sqrt(np.pi) * energy / (2 * np.pi * modes.frequency_hz[:3]) ** 2
     assert moved.frequency_hz[:3] / modes.frequency_hz[:3] - 1 == pytest.approx(expected, rel=0.06)
@@ -89,13 +89,13 @@ def test_a_crack_softens_as_the_compliance_it_adds() -> None:
 def test_a_weak_damper_adds_its_own_damping_to_each_mode() -> None:
     c = 1e-3
     modes, damped = solve_modes(RIGID), solve_modes(replace(RIGID, dampers=((0.9, c),)))
-    phi_squared = np.abs(modes.at(0.9)[0] ** 2 * 2j * modes.poles.imag)[:4]
+    phi_squared = np.abs(modes.shapes_at(0.9)[0] ** 2 * 2j * modes.poles.imag)[:4]
     assert -damped.poles.real[:4] + modes.poles.real[:4] == pytest.approx(c * phi_squared / 2, rel=1e-3)
 
 
 def test_a_strong_damper_keeps_the_response_reciprocal_and_real_in_time() -> None:
     modes = solve_modes(replace(RIGID, dampers=((1.0, 50.0),)))
-    a, b = modes.at(0.4)[0], modes.at(0.9)[0]
+    a, b = modes.shapes_at(0.4)[0], modes.shapes_at(0.9)[0]
     s = 2j * np.pi * 7.0
     forth, back = (np.sum(x * y / (s - modes.poles)) for x, y in ((a, b), (b, a)))
     assert forth == pytest.approx(back)

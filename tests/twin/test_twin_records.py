@@ -26,8 +26,8 @@ def integrate(twin: Twin, force: np.ndarray, dt: float, drive_x: float) -> np.nd
         omega, zeta = abs(pole), -pole.real / abs(pole)
         num, den, _ = cont2discrete(([1.0, 0, 0], [1.0, 2 * zeta * omega, omega**2]), dt, method="foh")
         q = lfilter(num.ravel(), den, force)
-        out = modes.at(X)[:, p] * np.sqrt(2j * pole.imag)
-        drive = modes.at(drive_x)[0, p] * np.sqrt(2j * pole.imag)
+        out = modes.shapes_at(X)[:, p] * np.sqrt(2j * pole.imag)
+        drive = modes.shapes_at(drive_x)[0, p] * np.sqrt(2j * pole.imag)
         total += np.outer((out * drive).real, q)
     return total
 
@@ -80,7 +80,7 @@ def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> Non
     for masses in ((), ((0.7, 0.3),)):
         structure = replace(TWIN.structure, masses=masses, root_rotation=1 / 13)
         modes, s = solve_modes(structure), structure
-        kept = 2 * np.real((modes.at(X) * modes.at(0.6)[0]) @ (-1 / modes.poles))
+        kept = 2 * np.real((modes.shapes_at(X) * modes.shapes_at(0.6)[0]) @ (-1 / modes.poles))
         x, a, ei = X, 0.6, s.bending_stiffness
         low, high = np.minimum(x, a), np.maximum(x, a)
         closed = low**2 * (3 * high - low) / 6 / ei + x * a * s.root_rotation * s.length_m / ei

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_comparison import SHAPES, model
 
-from modallab.verification.assessment import doubts_about_modes, output_of_isolated_mode
+from modallab.verification.assessment import doubtful_mode_sentences, output_of_isolated_mode
 
 SURE = np.array([0.9, 0.95, 0.99])
 
@@ -23,25 +23,25 @@ def from_two_points(shapes, sigma=1e-3):
 
 
 def test_sound_modes_raise_no_doubt():
-    assert doubts_about_modes(from_two_points(SHAPES), SURE) == ()
+    assert doubtful_mode_sentences(from_two_points(SHAPES), SURE) == ()
 
 
 def test_confidence_that_is_not_known_raises_none_either():
-    assert doubts_about_modes(from_two_points(SHAPES), np.full(3, np.nan)) == ()
+    assert doubtful_mode_sentences(from_two_points(SHAPES), np.full(3, np.nan)) == ()
 
 
 @pytest.mark.parametrize(("weak", "says"), [((1,), "The mode at 30 Hz is"), ((0, 2), "The modes at 5, 80 Hz are")])
 def test_a_mode_that_hardly_stands_out_is_reported_by_its_frequency(weak, says):
     confidence = SURE.copy()
     confidence[list(weak)] = 0.07
-    (sentence,) = doubts_about_modes(from_two_points(SHAPES), confidence)
+    (sentence,) = doubtful_mode_sentences(from_two_points(SHAPES), confidence)
     assert sentence.startswith(says)
 
 
 def test_a_mode_that_one_sensor_has_to_itself_is_reported_with_the_sensor():
     shapes = SHAPES.copy()
     shapes[1] *= np.where(np.arange(6) == 3, 1.0, 1e-3)
-    (sentence,) = doubts_about_modes(from_two_points(shapes), SURE)
+    (sentence,) = doubtful_mode_sentences(from_two_points(shapes), SURE)
     assert "30 Hz" in sentence
     assert "a3 alone" in sentence
     assert output_of_isolated_mode(from_two_points(shapes)).tolist() == [-1, 3, -1]
@@ -53,7 +53,7 @@ def test_a_part_that_moves_by_itself_and_is_driven_itself_is_a_mode():
     driven = from_two_points(shapes)
     constants = driven.modal_constants.copy()
     constants[1, :, 0] = 0
-    assert doubts_about_modes(driven.model_copy(update={"modal_constants": constants}), SURE) == ()
+    assert doubtful_mode_sentences(driven.model_copy(update={"modal_constants": constants}), SURE) == ()
 
 
 def test_few_sensors_cannot_show_who_is_alone():

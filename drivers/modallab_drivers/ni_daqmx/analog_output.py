@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_error, typed_errors
-from modallab_drivers.ni_daqmx.guards import after_expiry
+from modallab_drivers.ni_daqmx.guards import call_after_reset
 from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, TaskSignal, TaskWave, ramp_down_to_zero, write_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, retry_while_reserved
 from modallab_drivers.ni_daqmx.synchronise import REFERENCE_CLOCKS
@@ -57,7 +57,7 @@ class AnalogOutput:
         # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
         behaviour = AOIdleOutputBehavior
         self._idle = behaviour.MAINTAIN_EXISTING_VALUE if guarded else behaviour.ZERO_VOLTS
-        retry_while_reserved(lambda: after_expiry(route, self._write_zero))
+        retry_while_reserved(lambda: call_after_reset(route, self._write_zero))
 
     @property
     def range_v(self) -> float:

@@ -93,7 +93,7 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
 def typed_error(error: Exception, where: str) -> BenchError:
     """The typed error for what the package raised."""
     if isinstance(error, nidaqmx.errors.DaqError):
-        return of_code(int(error.error_code), str(error), where)
+        return error_of_status(int(error.error_code), str(error), where)
     if isinstance(error, nidaqmx.errors.RpcError) and error.rpc_code == grpc.StatusCode.ALREADY_EXISTS:
         return DeviceBusyError(f"the device server: {error}", where=where, remedy=_BUSY)
     if isinstance(error, nidaqmx.errors.RpcError):
@@ -115,7 +115,7 @@ def _unreached(where: str) -> str:
     return f"{_GONE}; a server with TLS needs tls=ca.crt in the address"
 
 
-def of_code(code: int, text: str, where: str) -> BenchError:
+def error_of_status(code: int, text: str, where: str) -> BenchError:
     """The typed error for a status."""
     kind, remedy = TABLE.get(code, (BenchError, "look the status up in NI's documentation; report it if it recurs"))
     said = " ".join(line.strip() for line in text.splitlines() if line.strip())

@@ -11,7 +11,7 @@ from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
 from modallab.core.hardware import Excitation
-from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, typed_errors
+from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, error_of_status, typed_errors
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, retry_while_reserved
 
 T = TypeVar("T")
@@ -29,7 +29,7 @@ def heartbeat_name(device: str) -> str:
     return f"modallab-{device}-heartbeat"
 
 
-def after_expiry(route: Route, call: Callable[[], T]) -> T:
+def call_after_reset(route: Route, call: Callable[[], T]) -> T:
     """Make a call; where the chassis' watchdog has expired, reset the chassis first.
 
     The vendor's rule: after an expiry nothing goes on a chassis until it is reset, and to clear the watchdog's task is
@@ -83,7 +83,7 @@ class Watchdog:
         """
         with typed_errors(self._where):
             if self._task.expired:
-                raise of_code(CHASSIS_EXPIRED, "", self._where)
+                raise error_of_status(CHASSIS_EXPIRED, "", self._where)
             self._task.reset_timer()
 
     def close(self) -> None:

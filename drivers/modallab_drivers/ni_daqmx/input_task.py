@@ -15,7 +15,7 @@ from modallab.bench.capabilities import ReferenceTrigger
 from modallab.core.errors import BenchError
 from modallab.core.units import Test
 from modallab_drivers.ni_daqmx.channels import add_channel
-from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, of_code, typed_error, typed_errors
+from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, error_of_status, typed_error, typed_errors
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
 
@@ -165,7 +165,7 @@ class InputTask:
     def _ended(self, error: Any) -> BenchError:
         kept = self._part.shape[1]
         text = f"{error}" if int(error.error_code) != NEVER else f"{error} {kept} samples had been received before"
-        return of_code(int(error.error_code), text, self._where)
+        return error_of_status(int(error.error_code), text, self._where)
 
     def convert_rate_hz(self) -> float | None:
         """Rate at which a multiplexer steps from channel to channel; None where every channel has its own converter."""

@@ -8,7 +8,7 @@ from modallab.core.hardware import require_guarded
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
-from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, after_expiry
+from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, call_after_reset
 from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
 from modallab_drivers.output import Output, require_alike, require_burst, require_wave
@@ -74,7 +74,7 @@ class ShakerOutput:
     def watch(self, route: Route) -> None:
         """Streaming is about to begin: no burst is on, and the guards watch, before any other task is started."""
         self._guards.close()
-        self._guards = after_expiry(route, lambda: Guards(route, self._rig.excitation, self.physical))
+        self._guards = call_after_reset(route, lambda: Guards(route, self._rig.excitation, self.physical))
         self._burst_end = 0
 
     def follow(self, reference_clock: str) -> None:

@@ -130,7 +130,9 @@ class PreloadedModes(RitzModes):
         return np.sqrt(values), vectors
 
 
-def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary_inertia_kg_m: float = 0.0) -> Modes:
+def undamped_modes_in_test(
+    beam: CantileverBeam, changes: StructureChanges, test: Test, rotary_inertia_kg_m: float = 0.0
+) -> Modes:
     """The undamped modes of the structure in one test; the bare beam if nothing of it is changed.
 
     Args:

@@ -25,7 +25,7 @@ _TRIES = 10
 _NARROW = 0.02
 
 
-def gap_of(rig: Rig, seed: int, effects: Sequence[Effect]) -> float:
+def gap_of_effects(rig: Rig, seed: int, effects: Sequence[Effect]) -> float:
     """The gap some effects open in the trial of a seed, in noise units."""
     return GapMeter(rig, seed).gap(effects)
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 
-from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, rows_of
+from modallab.core.effect import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, channels_of_place
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
@@ -168,7 +168,7 @@ def _at_shaker(effect: Effect, rig: Rig, problems: list[str]) -> Effect:
 
 
 def _channel_problems(effect: Effect, rig: Rig) -> list[str]:
-    rows = rows_of(effect.place)
+    rows = channels_of_place(effect.place)
     found: list[str] = []
     for row in rows if isinstance(rows, tuple) else (rows,):
         if not isinstance(row, int) or part_of(effect.effect).kind.place == "force":
@@ -186,5 +186,5 @@ def _repeated(effect: Effect, before: Sequence[Effect]) -> list[str]:
         if part_of(effect.effect).kind.place != "channel":
             return [f"{effect.effect} occurs twice; allowed: once"]
         if other.place == effect.place:
-            return [f"{effect.effect} occurs twice on row {rows_of(effect.place)}; allowed: once a row"]
+            return [f"{effect.effect} occurs twice on row {channels_of_place(effect.place)}; allowed: once a row"]
     return []

@@ -14,7 +14,7 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import EVERYDAY, BenchSettings, SessionConditions
-from modallab_simulators.cantilever.assembled import modes_of, with_side_modes
+from modallab_simulators.cantilever.assembled import undamped_modes_in_test, with_side_modes
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, ModalBasis, TruncatedBasis
 from modallab_simulators.cantilever.beam import (
@@ -42,7 +42,9 @@ MOST = 3.0
 """Deviations beyond which nothing is drawn."""
 
 
-def as_built(altered: AlteredBench, rig: Rig, tolerance: Tolerance, seed: int, lasts_s: float | None) -> AlteredBench:
+def bench_as_built(
+    altered: AlteredBench, rig: Rig, tolerance: Tolerance, seed: int, lasts_s: float | None
+) -> AlteredBench:
     """What effects have left of a bench, with everything a little off.
 
     Args:
@@ -160,7 +162,7 @@ class BenchTruth:
     def modes(self, test: Test, progress: float = 0.0) -> Modes:
         """The undamped structure in a test, at a share of the campaign's time."""
         inertia = self.true.beam.mass_kg_m * self.true.thickness_m**2 / 12
-        return modes_of(self.beam_at(progress), self.effects.altered.structure, test, inertia)
+        return undamped_modes_in_test(self.beam_at(progress), self.effects.altered.structure, test, inertia)
 
     def basis(self, rate_hz: float, test: Test, progress: float, oversample: int) -> Basis:
         """The modes that are integrated in time at a delivered rate: those to 0.4 of the internal rate."""
@@ -274,6 +276,6 @@ def draw_truth(settings: BenchSettings, rig: Rig, circumstances: SessionConditio
     effects = inject_effects(rig.known_effects if settings.effects is None else settings.effects, rig)
     if settings.tolerances != "none":
         stated = Tolerance.usual() if settings.tolerances == "usual" else rig.tolerance
-        built = as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)
+        built = bench_as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)
         effects = replace(effects, altered=built)
     return BenchTruth(true, clock, settings.zeta, settings.seed, rig, effects, circumstances.modes)

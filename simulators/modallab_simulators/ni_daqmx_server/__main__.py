@@ -142,7 +142,7 @@ def obey_operator(system: SimulatedSystem, generator: PtyGenerator | None, line:
     word, _, rest = line.partition(" ")
     try:
         if word == "generator-fault" and generator is not None:
-            generator.fault(rest)
+            generator.arm_fault(rest)
             return {"done": line}
         with system.lock:
             return _obey(system, word, rest)

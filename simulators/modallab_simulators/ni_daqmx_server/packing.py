@@ -20,7 +20,7 @@ Fill = Callable[[Any, Any, AcquiringTask, NDArray[Any], int], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class MessageForm:
     """How a kind of read answers.
 
     Attributes:
@@ -209,26 +209,26 @@ def _digital_waveforms(response: Any, asked: Any, task: AcquiringTask, values: N
     return response
 
 
-FORMS: dict[str, Form] = {
-    "ReadAnalogF64": Form(_volts),
-    "ReadAnalogScalarF64": Form(_scalar, scalar=True),
-    "ReadRaw": Form(_raw),
-    "ReadDigitalU8": Form(_ports("u1")),
-    "ReadDigitalU16": Form(_ports("u2")),
-    "ReadDigitalU32": Form(_ports("u4")),
-    "ReadDigitalScalarU32": Form(_scalar, scalar=True),
-    "ReadDigitalLines": Form(_lines),
-    "ReadCounterScalarF64": Form(_count, scalar=True),
-    "ReadCounterScalarU32": Form(_count, scalar=True),
-    "ReadPowerF64": Form(_power(None)),
-    "ReadPowerScalarF64": Form(_power(None, scalar=True), scalar=True),
-    "ReadPowerBinaryI16": Form(_power(POWER_CODES)),
-    "ReadAnalogWaveforms": Form(_analog_waveforms),
-    "ReadDigitalWaveforms": Form(_digital_waveforms),
+FORMS: dict[str, MessageForm] = {
+    "ReadAnalogF64": MessageForm(_volts),
+    "ReadAnalogScalarF64": MessageForm(_scalar, scalar=True),
+    "ReadRaw": MessageForm(_raw),
+    "ReadDigitalU8": MessageForm(_ports("u1")),
+    "ReadDigitalU16": MessageForm(_ports("u2")),
+    "ReadDigitalU32": MessageForm(_ports("u4")),
+    "ReadDigitalScalarU32": MessageForm(_scalar, scalar=True),
+    "ReadDigitalLines": MessageForm(_lines),
+    "ReadCounterScalarF64": MessageForm(_count, scalar=True),
+    "ReadCounterScalarU32": MessageForm(_count, scalar=True),
+    "ReadPowerF64": MessageForm(_power(None)),
+    "ReadPowerScalarF64": MessageForm(_power(None, scalar=True), scalar=True),
+    "ReadPowerBinaryI16": MessageForm(_power(POWER_CODES)),
+    "ReadAnalogWaveforms": MessageForm(_analog_waveforms),
+    "ReadDigitalWaveforms": MessageForm(_digital_waveforms),
 }
-FORMS.update({f"ReadBinary{k}": Form(_codes) for k in ("I16", "U16", "I32", "U32")})
-FORMS.update({f"ReadCounter{k}{e}": Form(_counts) for k in ("F64", "U32") for e in ("", "Ex")})
+FORMS.update({f"ReadBinary{k}": MessageForm(_codes) for k in ("I16", "U16", "I32", "U32")})
+FORMS.update({f"ReadCounter{k}{e}": MessageForm(_counts) for k in ("F64", "U32") for e in ("", "Ex")})
 for _name, _fields in {"Freq": ("frequency", "duty_cycle"), "Time": ("high_time", "low_time"),
                        "Ticks": ("high_ticks", "low_ticks")}.items():  # fmt: skip
-    FORMS[f"ReadCtr{_name}"] = Form(_pairs(*_fields, scalar=False))
-    FORMS[f"ReadCtr{_name}Scalar"] = Form(_pairs(*_fields, scalar=True), scalar=True)
+    FORMS[f"ReadCtr{_name}"] = MessageForm(_pairs(*_fields, scalar=False))
+    FORMS[f"ReadCtr{_name}Scalar"] = MessageForm(_pairs(*_fields, scalar=True), scalar=True)

@@ -10,8 +10,8 @@ from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.kinds import split
-from modallab_simulators.ni_daqmx_server.packing import FORMS, Form
+from modallab_simulators.ni_daqmx_server.calls.kinds import split_channel_list
+from modallab_simulators.ni_daqmx_server.packing import FORMS, MessageForm
 from modallab_simulators.ni_daqmx_server.status import StatusError
 
 WAIT_S = 0.02
@@ -46,7 +46,7 @@ def read(system: SimulatedSystem, call: str, asked: Any) -> Any:
 
 
 def _answer(  # everything that an answer is made of
-    form: Form, call: str, asked: Any, task: AcquiringTask, values: NDArray[Any], count: int, code: int
+    form: MessageForm, call: str, asked: Any, task: AcquiringTask, values: NDArray[Any], count: int, code: int
 ) -> Any:
     if form.scalar and not values.shape[1]:
         raise StatusError(code or status.NOT_YET_AVAILABLE, samples=0)
@@ -70,7 +70,7 @@ def _picked(task: AcquiringTask, values: NDArray[Any]) -> NDArray[Any]:
     if not wanted:
         return values
     names = [c.name for c in task.all_channels()]
-    return values[[names.index(name) for name in split(wanted)]]
+    return values[[names.index(name) for name in split_channel_list(wanted)]]
 
 
 def _wait_and_take(system: SimulatedSystem, asked: Any, count: int, kind: str) -> tuple[NDArray[Any], bool]:

@@ -15,7 +15,7 @@ from modallab_simulators.scpi_generator.settings import WORDS, GeneratorSettings
 LATENCY_S = 0.002
 
 
-class Clock(Protocol):
+class SimulatedClock(Protocol):
     """The time of the bench."""
 
     def now(self) -> float:
@@ -39,7 +39,7 @@ class ScpiGenerator:
         self,
         dialect: SineDialect,
         line: OutputLine,
-        clock: Clock,
+        clock: SimulatedClock,
         changed: Callable[[], None] = lambda: None,
         lock: Any = None,
         ppm: float = 0.0,

@@ -21,7 +21,7 @@ from modallab_simulators.scpi_generator.device import ScpiGenerator
 Write = Callable[[bytes], object]
 
 
-class Link:
+class CommandLink:
     """Cuts what comes into lines, lets the instrument obey, and sends what it answers."""
 
     def __init__(self, device: ScpiGenerator) -> None:
@@ -29,7 +29,7 @@ class Link:
         self._pending = b""
         self._fault, self._slow_s, self._late_s = "", 0.0, 0.0
 
-    def fault(self, line: str) -> None:
+    def arm_fault(self, line: str) -> None:
         """Arm a fault, such as `clipped-set-point 0.1`, `front-panel amplitude 5`, `late-answer 1.5`.
 
         Raises:
@@ -53,7 +53,7 @@ class Link:
         else:
             self._fault = kind
 
-    def take(self, data: bytes, write: Write) -> None:
+    def receive_bytes(self, data: bytes, write: Write) -> None:
         """Bytes came in."""
         *lines, self._pending = (self._pending + data).split(b"\n")
         for line in lines:
@@ -80,27 +80,27 @@ class Link:
         return answer + b"\n"
 
 
-class Port(ABC):
+class GeneratorPort(ABC):
     """Where a generator can be reached."""
 
     port: str
 
     def __init__(self, device: ScpiGenerator) -> None:
-        self._link = Link(device)
+        self._link = CommandLink(device)
 
-    def fault(self, line: str) -> None:
+    def arm_fault(self, line: str) -> None:
         """Arm a fault; see `Link.fault`. `unplugged` cuts every connection."""
         if line == faults.UNPLUGGED:
             self.close()
         else:
-            self._link.fault(line)
+            self._link.arm_fault(line)
 
     @abstractmethod
     def close(self) -> None:
         """Cut every connection."""
 
 
-class PtyGenerator(Port):
+class PtyGenerator(GeneratorPort):
     """A generator behind a pseudo-terminal."""
 
     def __init__(self, device: ScpiGenerator) -> None:
@@ -132,10 +132,10 @@ class PtyGenerator(Port):
         for descriptor in (self._own, self._plug):
             waiting.register(descriptor, select.POLLIN)
         while all(descriptor != self._plug for descriptor, _ in waiting.poll()):
-            self._link.take(os.read(self._own, 4096), lambda data: os.write(self._own, data))
+            self._link.receive_bytes(os.read(self._own, 4096), lambda data: os.write(self._own, data))
 
 
-class SocketGenerator(Port):
+class SocketGenerator(GeneratorPort):
     """A generator in the network: SCPI on a bare TCP socket, several connections at once."""
 
     def __init__(self, device: ScpiGenerator) -> None:
@@ -171,7 +171,7 @@ class SocketGenerator(Port):
         try:
             data = connection.recv(4096)
             if data:
-                self._link.take(data, connection.sendall)
+                self._link.receive_bytes(data, connection.sendall)
                 return
         except OSError:
             # Whoever asked hung up before the answer.
@@ -201,7 +201,7 @@ class Message:
     payload: bytes
 
 
-class HislipGenerator(Port):
+class HislipGenerator(GeneratorPort):
     """A generator in the network that speaks HiSLIP, to one client after another."""
 
     def __init__(self, device: ScpiGenerator) -> None:
@@ -235,7 +235,7 @@ class HislipGenerator(Port):
     def _answer(self, connection: socket.socket, message: Message) -> None:
         if message.kind in (DATA, DATA_END):
             with self._obeying:
-                self._link.take(
+                self._link.receive_bytes(
                     message.payload, lambda data: _send(connection, DATA_END, parameter=message.parameter, payload=data)
                 )
         elif message.kind == INITIALIZE:

@@ -21,7 +21,7 @@ _STOP_DB = 135.0
 _BETA = 0.1102 * (_STOP_DB - 8.7)
 
 
-def half_width(from_hz: float, to_hz: float) -> int:
+def samples_on_either_side(from_hz: float, to_hz: float) -> int:
     """Old samples that are needed on either side of a new one."""
     transition = (1 - 2 * PASS) * min(from_hz, to_hz) / from_hz
     return ceil((_STOP_DB - 7.95) / (2.285 * 2 * pi * transition) / 2) + 1
@@ -43,7 +43,7 @@ def resample(values: NDArray[np.generic], from_hz: float, to_hz: float, lead: in
     Raises:
         ValueError: the block has too few samples at an end.
     """
-    half = half_width(from_hz, to_hz)
+    half = samples_on_either_side(from_hz, to_hz)
     place = lead + np.arange(count) * (from_hz / to_hz)
     base = np.floor(place).astype(np.int64)
     if base[0] - half + 1 < 0 or base[-1] + half >= values.shape[1]:
@@ -81,7 +81,7 @@ class ResamplingRule:
     @classmethod
     def of(cls, from_hz: float, to_hz: float, block_s: float) -> Self:
         """For blocks of `block_s`, as near as whole samples at the new rate come to it."""
-        half, count = half_width(from_hz, to_hz), round(block_s * to_hz)
+        half, count = samples_on_either_side(from_hz, to_hz), round(block_s * to_hz)
         return cls(from_hz, to_hz, half, 2 * half + ceil(count * from_hz / to_hz) + 1, count)
 
     @classmethod

@@ -19,7 +19,7 @@ from modallab.core.frozen import Frozen
 from modallab.core.hold_out import HoldOut
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
-from modallab.core.setups import rig_of, split_setups
+from modallab.core.setups import rig_in_set_up, split_setups
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.plan_file import read_plans
 from modallab.formats.prediction import read_prediction, write_prediction
@@ -175,7 +175,7 @@ def _require_plans(rig: Rig, plans: Sequence[Plan]) -> None:
     for plan in plans:
         require_sensible_numbers(plan, rig)
         for part in split_setups(plan) if isinstance(plan, ImpactPlan) else (plan,):
-            stands = rig_of(rig, part.setups[0]) if isinstance(part, ImpactPlan) and part.setups else rig
+            stands = rig_in_set_up(rig, part.setups[0]) if isinstance(part, ImpactPlan) and part.setups else rig
             require_possible(part, stands, _ANY_BENCH)
         samples = plan.block_s * plan.rate_hz
         if samples > MOST_SAMPLES:

@@ -20,7 +20,7 @@ from modallab.identification.setups.compare import ComparedSetUp
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import CampaignResult
 from modallab.pipelines.model_file import model_document
-from modallab.pipelines.report import report_content, truth_of
+from modallab.pipelines.report import modes_as_built, report_content
 from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import JoinedSetups, identify_setups
@@ -144,7 +144,7 @@ def result_table(campaign: Campaign, result: CampaignResult) -> Table:
     """The modes of every test, with the truth where the campaign knows it."""
     items = result.identified
     confidence = [None if item.assessment is None else item.assessment.confidence for item in items]
-    return modal_table([item.model for item in items], truth_of(campaign), confidence)
+    return modal_table([item.model for item in items], modes_as_built(campaign), confidence)
 
 
 def print_remarks(console: Console, result: CampaignResult) -> None:

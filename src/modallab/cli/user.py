@@ -44,7 +44,7 @@ def _token(users: UserTable, arguments: argparse.Namespace) -> None:
 
 
 def _list(users: UserTable, _: argparse.Namespace) -> None:
-    for user in users.all():
+    for user in users.all_users():
         gone = f", revoked {user.revoked_utc}" if user.revoked_utc else ""
         _print([f"{user.name}: {user.role}{gone}"])
         for token in users.tokens(user.name):

@@ -54,7 +54,7 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 
     step_sigma = np.sqrt(np.mean(resolution**2) / 3.0 * 12.0 / n**3)
     rate = 1.0 / step if step > 0 else 0.0
     slack = _SIGMAS * rate * rate * step_sigma
-    return check_rate(whole_rate(float(rate), float(slack)), where)
+    return check_rate(nearest_whole_rate(float(rate), float(slack)), where)
 
 
 def _stored_digit(numbers: NDArray[Any]) -> float:
@@ -64,7 +64,7 @@ def _stored_digit(numbers: NDArray[Any]) -> float:
     return float(np.spacing(np.abs(numbers).max(initial=0))) / 2
 
 
-def whole_rate(rate_hz: float, slack_hz: float) -> float:
+def nearest_whole_rate(rate_hz: float, slack_hz: float) -> float:
     """The whole number of Hz within `slack_hz` of a rate, if there is just one; else the rate itself."""
     slack_hz += _SAME * rate_hz
     whole = np.ceil(rate_hz - slack_hz)

@@ -18,7 +18,7 @@ ALSO_DRIVEN = "also_driven"
 """Name of the fact of a stored block that lists the points of the shakers beside the first one."""
 
 
-def fact_of_other_shakers(points: tuple[int, ...]) -> dict[str, str]:
+def note_other_shakers(points: tuple[int, ...]) -> dict[str, str]:
     """What a stored block says of the shakers beside the first one; nothing where there was none."""
     return {ALSO_DRIVEN: " ".join(map(str, points))} if points else {}
 
@@ -89,7 +89,7 @@ class Block:
         """Length of the block in s: n / rate."""
         return self.n_samples / self.rate_hz
 
-    def of_rows(self, rows: Sequence[int]) -> "Block":
+    def with_channels(self, rows: Sequence[int]) -> "Block":
         """The block with these channels only, in this order."""
         kept = list(rows)
         return replace(

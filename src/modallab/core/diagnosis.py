@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from modallab.core.budget import Budget
-from modallab.core.effect import AlternativeDescription, LearnedElement, Place, place_as_shares
+from modallab.core.effect import AlternativeDescription, LearnedElement, Place, place_relative_to_length
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
 from modallab.core.versions import DIAGNOSIS
@@ -129,7 +129,7 @@ class FoundEffect(Frozen):
 
     def as_effect(self) -> Effect:
         """The effect for the twin."""
-        return Effect(effect=self.effect, parameters=self.parameters, place=place_as_shares(self.place))
+        return Effect(effect=self.effect, parameters=self.parameters, place=place_relative_to_length(self.place))
 
 
 class Shrinkage(Frozen):

@@ -151,7 +151,7 @@ PlaceOnStructure = NearPoint | BetweenPoints | NamedChannel | EveryOutput
 """Where a change of a measured structure acts."""
 
 
-def rows_of(place: Place) -> RowsOfPlace | None:
+def channels_of_place(place: Place) -> RowsOfPlace | None:
     """The rows of the rig that a place is; None where it is none."""
     return place.channel if isinstance(place, OneChannel | TwoChannels | AllChannels) else None
 
@@ -166,7 +166,7 @@ def place_in_metres(place: Place, length_m: float) -> Place:
     return place.model_copy(update={"x_m": place.x * length_m}) if isinstance(place, AlongBeam) else place
 
 
-def place_as_shares(place: Place) -> Place:
+def place_relative_to_length(place: Place) -> Place:
     """The same as the catalogue has it."""
     return AlongBeam(x=place.x) if isinstance(place, AlongBeam) else place
 
@@ -225,7 +225,7 @@ class LearnedElement(Frozen):
 
     def as_effect(self) -> Effect:
         """The element for the twin."""
-        return Effect(effect=self.element, parameters=self.parameters, place=place_as_shares(self.place))
+        return Effect(effect=self.element, parameters=self.parameters, place=place_relative_to_length(self.place))
 
 
 class AlternativeDescription(Frozen):

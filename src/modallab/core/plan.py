@@ -230,12 +230,12 @@ class BroadbandPlan(Frozen):
     max_rejections: PositiveInt = 20
 
 
-def records_of(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> Test:
+def test_of_plan(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> Test:
     """Which test the records of a plan belong to."""
     return plan.signal if isinstance(plan, BroadbandPlan) else plan.kind
 
 
-def least_rate_hz(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> float:
+def lowest_rate_hz(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> float:
     """The lowest rate the samples of a plan pass through."""
     return min(plan.rate_hz, plan.delivered_hz or plan.rate_hz)
 

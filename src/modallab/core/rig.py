@@ -12,7 +12,7 @@ from modallab.core.errors import RigError
 from modallab.core.field_errors import reject_problems
 from modallab.core.frozen import Frozen, Positive, is_not_stated
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
-from modallab.core.rig_checks import cross_problems
+from modallab.core.rig_checks import inconsistent_fields
 from modallab.core.versions import RIG
 
 __all__ = [
@@ -110,7 +110,7 @@ class Rig(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        reject_problems(cross_problems(self.model_dump()))
+        reject_problems(inconsistent_fields(self.model_dump()))
         return self
 
     @property

@@ -25,7 +25,7 @@ BEAM_RANGES: Final = {
 _ROUNDING = 1e-9
 
 
-def cross_problems(content: Mapping[str, object]) -> list[FieldProblem]:
+def inconsistent_fields(content: Mapping[str, object]) -> list[FieldProblem]:
     """Everything wrong between the fields of a rig.
 
     Args:

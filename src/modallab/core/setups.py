@@ -17,7 +17,7 @@ class SensorMove(NamedTuple):
     after: int
 
 
-def rig_of(rig: Rig, setup: SetUp) -> Rig:
+def rig_in_set_up(rig: Rig, setup: SetUp) -> Rig:
     """The rig with its sensors where a set-up has them."""
     channels = [c.model_copy(update={"point": setup.points.get(c.name, c.point)}) for c in rig.channels]
     return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels)}).model_dump())
@@ -56,7 +56,7 @@ def setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
     own = [problem for setup in plan.setups for problem in _own_problems(setup, rig)]
     if own:
         return [*problems, *own]
-    return [*problems, *_unjoined_setups(plan, [_points(rig_of(rig, setup)) for setup in plan.setups])]
+    return [*problems, *_unjoined_setups(plan, [_points(rig_in_set_up(rig, setup)) for setup in plan.setups])]
 
 
 def _own_problems(setup: SetUp, rig: Rig) -> list[str]:
@@ -77,7 +77,7 @@ def _doubled_sensors(where: str, rig: Rig, setup: SetUp) -> list[str]:
     """Two sensors at one point in one direction, unless the rig file has them so."""
     taken: dict[tuple[int, str], str] = {}
     problems: list[str] = []
-    for channel in rig_of(rig, setup).responses:
+    for channel in rig_in_set_up(rig, setup).responses:
         if channel.point is None:
             continue
         first = taken.setdefault((channel.point, channel.direction), channel.name)

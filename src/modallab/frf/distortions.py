@@ -82,7 +82,7 @@ def estimate_distortions(signals: Sequence[Signals], band_hz: tuple[float, float
     chosen = _of_every_wave(driven_lines(lines_of_band(n, rate, band_hz), signals), signals)
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
-    waves = waves_of(force)
+    waves = group_blocks_by_wave(force)
     _require_several(waves)
     frf = response / force[:, None]
     of_wave = np.stack([frf[w].mean(axis=0) for w in waves])
@@ -119,7 +119,7 @@ def _of_every_wave(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDA
     return chosen
 
 
-def waves_of(force: Complex128) -> list[NDArray[np.int64]]:
+def group_blocks_by_wave(force: Complex128) -> list[NDArray[np.int64]]:
     """Places of the blocks of each wave, by the phases of the force, (blocks, lines)."""
     unit = force / np.linalg.norm(force, axis=1, keepdims=True)
     left, found = list(range(len(force))), list[NDArray[np.int64]]()

@@ -17,7 +17,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC
 from modallab.frf.estimate import lines_of_band, output_quantity
-from modallab.frf.local_polynomial import one_force_frf
+from modallab.frf.local_polynomial import frf_of_one_force
 from modallab.frf.sums import Estimator
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
@@ -53,7 +53,7 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     check_outputs(first, rig)
     spectra = joined_spectra(signals, band_hz)
     force, response = spectra.force[:MOST_RECORDS], spectra.response[:MOST_RECORDS]
-    values, variance = one_force_frf(force, response, estimator)
+    values, variance = frf_of_one_force(force, response, estimator)
     per_noise = _per_noise(force)
     return Frf(
         frequency_hz=spectra.frequency_hz,
@@ -161,7 +161,7 @@ def _spectrum(values: Real, n: int) -> Complex128:
     return np.fft.rfft(cut - values.mean(axis=1)[None, :, None])
 
 
-def least_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
+def fewest_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
     """How many blocks of a test have an FRF of their own.
 
     A block of one periodic force holds a whole period: one by itself will do, but for H2 and Hv, which need an average.

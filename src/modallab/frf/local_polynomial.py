@@ -136,7 +136,7 @@ def _scaled_columns(columns: Complex128) -> tuple[Complex128, NDArray[np.float64
     return columns / length[..., None, :], length
 
 
-def one_force_frf(
+def frf_of_one_force(
     force: Complex128, response: Complex128, estimator: Estimator = "H1"
 ) -> tuple[Complex128, NDArray[np.float64]]:
     """FRF by H1, H2 or Hv of one random force, and the noise variance of the responses, line by line.

@@ -83,7 +83,7 @@ def _resample_to_clock(run: Sequence[Signals], clock: float) -> list[Signals]:
 RANDOM = ("random", "burst-random")
 
 
-def cut_to_drive_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
+def resample_blocks_to_drive_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
     """The blocks, of a periodic drive as its own clock would have cut them: else its lines leak into one another."""
     first = signals[0]
     if first.block.test not in PERIODIC:
@@ -93,7 +93,9 @@ def cut_to_drive_clock(signals: Sequence[Signals], band_hz: tuple[float, float])
     )
 
 
-def driven_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1") -> Frf:
+def frf_of_main_level(
+    signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1"
+) -> Frf:
     """The FRF of the level that has most blocks.
 
     Raises:
@@ -105,7 +107,7 @@ def driven_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     return made(used, rig, band_hz, estimator=estimator)
 
 
-def with_even_weights(frf: Frf) -> Frf:
+def with_equal_line_weights(frf: Frf) -> Frf:
     """With lines that count alike: what varies from line to line is the drive's own level, which another look lacks."""
     return replace(frf, coherence=None, variance=None)
 

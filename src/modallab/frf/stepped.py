@@ -37,7 +37,7 @@ class SineLine:
     point: int | None
 
 
-def line_of(signals: Signals, rig: Rig) -> SineLine:
+def sine_line_of_block(signals: Signals, rig: Rig) -> SineLine:
     """The line of a block, by a sine fit at the force's own frequency.
 
     The decay that may still be in a block is not taken off: this is what the block shows.
@@ -66,7 +66,7 @@ def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
             of another test, or one without a sine in its force near the frequency that was set.
     """
     check_test(signals)
-    return frf_of_lines([line_of(item, rig) for item in signals], rig)
+    return frf_of_lines([sine_line_of_block(item, rig) for item in signals], rig)
 
 
 def frf_of_lines(lines: Sequence[SineLine], rig: Rig) -> Frf:

@@ -18,7 +18,7 @@ from scipy import ndimage
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.broadband import LEFT_OUT, SMOOTHED, driven_lines
-from modallab.frf.distortions import waves_of
+from modallab.frf.distortions import group_blocks_by_wave
 from modallab.frf.estimate import lines_of_band
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
@@ -136,7 +136,7 @@ def _spectra_of_waves(signals: Sequence[Signals], driven: NDArray[np.int64]) -> 
     chosen = np.arange(driven[0], driven[-1] + 1)
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
-    waves = [w for w in waves_of(force) if len(w) > 1]
+    waves = [w for w in group_blocks_by_wave(force) if len(w) > 1]
     if len(waves) < 2:
         raise DataError(
             f"there are {len(waves)} different waves of two periods or more",

@@ -16,9 +16,9 @@ from modallab.gap.diagnosis_document import EffectsInRecords, SearchInput, docum
 from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import StepwiseSelection
-from modallab.gap.model.fit import Fit, evaluated
+from modallab.gap.model.fit import Fit, fit_at
 from modallab.gap.model.nuisances import beam_of
-from modallab.gap.model.restored import first_fit_of
+from modallab.gap.model.restored import start_from_diagnosis
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.effect_inspection import effects_on_records, inspect_effects, is_in_revisions
@@ -67,7 +67,7 @@ def search_explanation(
         held: their names.
     """
     view, found = without_effects(bench)
-    base = converged(bench, evaluated(found.problem, found.u))
+    base = converged(bench, fit_at(found.problem, found.u))
     if knows_element(base):
         return SearchOutcome(linear_beside_known(bench, base, matters))
     overtones = channels_out_of_proportion(prepared) if base.gap > bench.flat else None
@@ -139,7 +139,7 @@ def diagnose(
     report_progress(0.0, "noise, hum and ring-down")
     ready = _made_ready(campaign, hold_out, allowed, known)
     with part_of_progress(0.06, 0.7, "search"):
-        search = search_explanation(ready.bench, ready.prepared, ready.matters, ready.unseen, ready.held)
+        search = search_explanation(ready.bench, ready.prepared, ready.records_that_count, ready.unseen, ready.held)
     choice = search.choice
     report_progress(0.7, "location and budget of the gap")
     report_progress(0.72, "location")
@@ -161,7 +161,7 @@ def _made_ready(
     fitted, held = split_held_out(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = problem_of_records(prepared, fitted, free, allowed)
-    bench = replace(bench, known=tuple(first_fit_of(c, bench.data, free) for c in known if c.twin is not None))
+    bench = replace(bench, known=tuple(start_from_diagnosis(c, bench.data, free) for c in known if c.twin is not None))
     unseen = held or fitted
     return SearchInput(
         prepared=prepared,

@@ -36,7 +36,7 @@ from modallab.gap.report.gap_location import gap_location
 from modallab.gap.report.initial_gap import squares_as_recorded
 from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import (
-    band_of,
+    name_of_band,
     nearest_mode,
     share_of_gap_closed,
     shares_by_frequency,
@@ -82,7 +82,7 @@ class SearchInput:
         return self.prepared.campaign.rig
 
     @property
-    def matters(self) -> Reduced | None:
+    def records_that_count(self) -> Reduced | None:
         """Records on which an effect must be of consequence; None where the rig tolerates nothing."""
         return self.unseen if self.rig.tolerance.of_assembly else None
 
@@ -220,7 +220,7 @@ def _gap_document(prepared: PreparedCampaign, choice: Choice, data: Reduced) -> 
         by_level=raw.by(raw.levels),
         by_channel=raw.by(names),
         after_by_channel=after.by(names),
-        by_band=shares_by_frequency(twin, data, band_of),
+        by_band=shares_by_frequency(twin, data, name_of_band),
         by_mode=shares_by_frequency(twin, data, nearest_mode(hz)),
         by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
         poles_hz=hz,

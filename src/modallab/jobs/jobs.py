@@ -99,7 +99,7 @@ class Jobs:
             mine = JOBS.c.id.in_(idle), JOBS.c.state == "queued", JOBS.c.priority == AUTOMATIC
             return connection.execute(update(JOBS).where(*mine).values(ended)).rowcount
 
-    def outdated(self, name: str, revision: Callable[[tuple[str, ...]], str]) -> list[Job]:
+    def jobs_outdated_by(self, name: str, revision: Callable[[tuple[str, ...]], str]) -> list[Job]:
         """Jobs that wait or go on, work on what is called `name`, and were ordered when their inputs held other things.
 
         Raises:

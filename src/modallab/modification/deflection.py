@@ -57,7 +57,7 @@ def mode_deflection(structure: Structure, samples: Structure, mode: int) -> Defl
     if not 1 <= mode <= modes:
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     pole = structure.poles[mode - 1]
-    phi, varied = (turn_to_real(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
+    phi, varied = (rotate_to_real(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
     hz = float(np.abs(pole)) / (2 * np.pi)
     return Deflection(f"mode {mode}", hz, structure.freedoms, phi, np.std(varied, axis=0), "kg^-1/2")
 
@@ -126,7 +126,7 @@ def _nearest_line(frf: Frf, hz: float) -> int:
     return int(np.argmin(np.abs(frf.frequency_hz - hz)))
 
 
-def turn_to_real(values: Complex) -> NDArray[np.complex128]:
+def rotate_to_real(values: Complex) -> NDArray[np.complex128]:
     """(..., freedoms) as real as a common turn makes them, positive where they are largest."""
     real = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
     largest = np.argmax(np.abs(real), axis=-1)[..., None]

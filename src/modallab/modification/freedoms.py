@@ -39,7 +39,7 @@ def freedoms_of(model: ModalModel, rig: Rig) -> tuple[tuple[Freedom, ...], tuple
     return outputs, tuple((int(p or 0), drive) for p in model.input_points)
 
 
-def senses_of(model: ModalModel, rig: Rig) -> Real:
+def output_signs(model: ModalModel, rig: Rig) -> Real:
     """(outputs,) sign of a reading over the motion along its freedom.
 
     Raises:

@@ -9,8 +9,8 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.model import ModalModel
-from modallab.modification.samples import places_of
-from modallab.modification.structure import At, Receptances, Structure, terms_of
+from modallab.modification.samples import freedom_indices
+from modallab.modification.structure import At, Receptances, Structure, residual_terms
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,10 +32,10 @@ class MeasuredPairs:
     @classmethod
     def of(cls, model: ModalModel, structure: Structure) -> "MeasuredPairs":
         """With the model's constants at a pair, and where only the exchanged one was measured, with those of that."""
-        rows, columns = (np.array(places) for places in places_of(model, structure))
+        rows, columns = (np.array(places) for places in freedom_indices(model, structure))
         residue, terms = np.einsum("ro,ri->roi", structure.psi, structure.psi), structure.residual.copy()
         own = model.modal_constants / (2j * structure.poles.imag)[:, None, None]
-        own_terms = terms_of(model)
+        own_terms = residual_terms(model)
         # The exchanged pairs first, so that a pair of its own measurement keeps it.
         residue[:, columns[:, None], rows] = own.transpose(0, 2, 1)
         residue[:, rows[:, None], columns] = own

@@ -93,9 +93,9 @@ def changes_for_frequency(
 
 
 def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at: At) -> ChangeAtPoint:
-    pole, modal = known.structure.poles[mode], modal_size(known.structure, mode, by, at)
+    pole, modal = known.structure.poles[mode], modal_mass_or_stiffness(known.structure, mode, by, at)
     sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
-    hz = np.array([changed_hz(known, by, at, size)[mode] for size in sizes])
+    hz = np.array([frequencies_after_change(known, by, at, size)[mode] for size in sizes])
     start = float(np.abs(pole)) / (2 * np.pi)
     # No mass raises a mode and no spring to ground lowers one (Rayleigh, Theory of Sound (1877), section 88).
     hz = np.minimum(hz, start) if by == "mass" else np.maximum(hz, start)
@@ -107,13 +107,13 @@ def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at:
     low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
 
     def off(log_size: float) -> float:
-        return float(changed_hz(known, by, at, float(np.exp(log_size)))[mode]) - to_hz
+        return float(frequencies_after_change(known, by, at, float(np.exp(log_size)))[mode]) - to_hz
 
     size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))
     return ChangeAtPoint(at, size, *deviations_of_size(known, to_hz, by, at, size), *reached)
 
 
-def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
+def modal_mass_or_stiffness(whole: Structure, mode: int, by: By, at: At) -> float:
     """Modal mass or stiffness of a mode, from 0, at a point, kg or N/m."""
     place, pole = whole.index(at), whole.poles[mode]
     phi2 = np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)
@@ -121,13 +121,13 @@ def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
     return (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / float(max(phi2[place], 1e-3 * phi2.max()))
 
 
-def changed_hz(known: KnownStructure, by: By, at: At, size: float) -> Real:
+def frequencies_after_change(known: KnownStructure, by: By, at: At, size: float) -> Real:
     """(modes,) with a change. A mode keeps its place as the change grows: two never cross."""
-    changes = [mass_or_spring(by, at, size)] if size else []
+    changes = [element_of_kind(by, at, size)] if size else []
     return np.sort(np.abs(poles_of(StructureWithAttachments.of(known.structure, changes)))) / (2 * np.pi)
 
 
-def mass_or_spring(by: By, at: At, size: float) -> Element:
+def element_of_kind(by: By, at: At, size: float) -> Element:
     """A mass, or a spring to ground; a DataError if it is to be neither."""
     if by not in get_args(By):
         raise DataError(f"by={by!r} is not a kind of change", remedy=f"use one of {', '.join(get_args(By))}")
@@ -137,7 +137,7 @@ def mass_or_spring(by: By, at: At, size: float) -> Element:
 def deviations_of_size(known: KnownStructure, to_hz: float, by: By, at: At, size: float) -> tuple[float, float]:
     """Of a size and of the frequency it gives: the one is the other over how the frequency moves with the size."""
     small = 1e-3 * size
-    here, there = (known.with_changes([mass_or_spring(by, at, s)]).modes for s in (size, size + small))
+    here, there = (known.with_changes([element_of_kind(by, at, s)]).modes for s in (size, size + small))
     r = int(np.argmin(np.abs(here.frequency_hz - to_hz)))
     slope = (there.frequency_hz[r] - here.frequency_hz[r]) / small
     return float(here.frequency_sigma_hz[r] / abs(slope)), float(here.frequency_sigma_hz[r])
@@ -243,11 +243,11 @@ def changes_for_free_band(
 
 
 def _free_band_at_point(known: KnownStructure, band_hz: tuple[float, float], by: By, at: At) -> FreeBand:
-    modal_kg = min(modal_size(known.structure, r, "mass", at) for r in range(len(known.structure.poles)))
+    modal_kg = min(modal_mass_or_stiffness(known.structure, r, "mass", at) for r in range(len(known.structure.poles)))
     modal = modal_kg * (1.0 if by == "mass" else (2 * np.pi * band_hz[1]) ** 2)
     # The largest holds the point still, as seen by a mode of this band.
     sizes = np.concatenate([[0.0], np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)])
-    each = [changed_hz(known, by, at, size) for size in sizes]
+    each = [frequencies_after_change(known, by, at, size) for size in sizes]
     # A heavy mass may bring in a mode from beyond the band.
     modes = max(found.size for found in each)
     hz = np.array([_frequencies_of_modes(known, found, modes) for found in each])
@@ -278,7 +278,7 @@ def _sizes_in_band(
 
     def reached(edge: float) -> float:
         return _zero_crossing(
-            lambda size: _frequencies_of_modes(known, changed_hz(known, by, at, size), r + 1)[r] - edge,
+            lambda size: _frequencies_of_modes(known, frequencies_after_change(known, by, at, size), r + 1)[r] - edge,
             sizes,
             hz - edge,
         )

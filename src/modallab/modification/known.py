@@ -19,7 +19,7 @@ from modallab.modification.modified import ModifiedModes, modified_modes, residu
 from modallab.modification.poles import StructureWithAttachments
 from modallab.modification.remainder import remainder_of_structure
 from modallab.modification.response import Between, ModesAtPlaces, modal_states, motion_of_modes
-from modallab.modification.samples import places_of, samples_of
+from modallab.modification.samples import freedom_indices, sample_structures
 from modallab.modification.state_space import StateSpaceModel, state_space_of
 from modallab.modification.structure import At, Receptances, Structure, structure_of
 
@@ -96,7 +96,7 @@ class KnownStructure:
     @cached_property
     def samples(self) -> Structure:
         """(samples, ...) structures that the model leaves possible."""
-        return samples_of(self.model, self.rig)
+        return sample_structures(self.model, self.rig)
 
     @cached_property
     def structure_with_parts(self) -> StructureWithAttachments:
@@ -181,7 +181,7 @@ class KnownStructure:
         """
         freedoms = self._measured.freedoms
         left = self.sensors if outputs is None else outputs
-        right = [freedoms[c] for c in places_of(self.model, self._measured)[1]] if inputs is None else inputs
+        right = [freedoms[c] for c in freedom_indices(self.model, self._measured)[1]] if inputs is None else inputs
         structure = self.measured_pairs(left, right)
         varied = None
         if sigma:

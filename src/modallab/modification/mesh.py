@@ -9,8 +9,8 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import motion_at_points, turn_to_real
-from modallab.modification.freedoms import freedoms_of, senses_of
+from modallab.modification.deflection import motion_at_points, rotate_to_real
+from modallab.modification.freedoms import freedoms_of, output_signs
 from modallab.modification.structure import Structure
 
 
@@ -63,12 +63,12 @@ def motion_without_scale(model: ModalModel, rig: Rig) -> Complex:
     """
     shapes = model.operating_shapes if model.shapes is None else model.shapes
     found = model.modal_constants[:, :, 0] if shapes is None else shapes
-    return _spread_to_points(rig, freedoms_of(model, rig)[0], np.nan_to_num(found) * senses_of(model, rig))
+    return _spread_to_points(rig, freedoms_of(model, rig)[0], np.nan_to_num(found) * output_signs(model, rig))
 
 
 def _spread_to_points(rig: Rig, freedoms: tuple[tuple[int, str], ...], shapes: Complex) -> Complex:
     skeleton = Wireframe.of(rig)
-    found = [skeleton.displaced(motion_at_points(rig, freedoms, turn_to_real(row))) for row in shapes]
+    found = [skeleton.displaced(motion_at_points(rig, freedoms, rotate_to_real(row))) for row in shapes]
     motion = np.array(found, np.complex128).reshape(len(shapes), len(skeleton.points), 3)
     most = np.abs(motion).max(axis=(1, 2), initial=0.0, keepdims=True)
     return np.asarray(motion / np.where(most > 0, most, 1.0))

@@ -37,7 +37,7 @@ class OutsideBand(NamedTuple):
     alone: Real
 
 
-def terms_of_structure(
+def residual_terms_of_structure(
     terms: Real, powers: Sequence[int], rows: Sequence[int], columns: Sequence[int], moved: Real
 ) -> Real:
     """Residual terms without that in s^-2, where no mode below the band leaves it.
@@ -60,7 +60,7 @@ def terms_of_structure(
     return np.where(below[:, None, None] & none, 0.0, terms)
 
 
-def complete_residuals(
+def complete_residual_terms(
     residual: Real, powers: Sequence[int], rows: Sequence[int], columns: Sequence[int], moved: Real, high_hz: float
 ) -> OutsideBand:
     """Residual terms of all pairs, from those of some.
@@ -94,7 +94,7 @@ def _shares_of_driven(column: Real, driven: Sequence[int]) -> Real:
     return np.asarray(column @ np.linalg.pinv(column[driven], rcond=SIGNIFICANT, hermitian=True))
 
 
-def draw_residuals(alone: Real, squares: Real) -> Real:
+def draw_residual_terms(alone: Real, squares: Real) -> Real:
     """(samples, terms, freedoms, freedoms) of what no driven column tells.
 
     Args:

@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
-from modallab.modification.outside_band import complete_residuals
+from modallab.modification.outside_band import complete_residual_terms
 from modallab.modification.structure import Structure, squared_shape_sum
 
 
@@ -62,7 +62,7 @@ ROUNDING = float(np.sqrt(np.finfo(float).eps))
 
 def remainder_of_structure(
     both: Structure, samples: Structure, part: Structure, varied: Structure, at: Real, of: Real
-) -> "Remainder":
+) -> "RemainingStructure":
     """The structure without the part.
 
     Args:
@@ -76,14 +76,14 @@ def remainder_of_structure(
     Raises:
         DataError: the part has as many modes as both together.
     """
-    within = intervals_of_rest(both, part)
+    within = pole_intervals_of_remainder(both, part)
     if not len(within):
         raise DataError(
             f"{len(part.poles)} modes of the part are more than leave any of {len(both.poles)}",
             remedy="identify both in the same band",
         )
-    s, values = known_values(both, part, at, of)
-    places, varied_values = known_values(samples, varied, at, of)
+    s, values = known_receptances(both, part, at, of)
+    places, varied_values = known_receptances(samples, varied, at, of)
     off = varied_values - values
     rest = _fit_remainder(s, values, off, _start_poles(within, both, part, at, of), within, both, at)
     # Poles of the samples are off as well, and with them where values are known.
@@ -91,7 +91,7 @@ def remainder_of_structure(
     return _fit_remainder(s, values, left, rest.structure.poles, within, both, at)
 
 
-def intervals_of_rest(both: Structure, part: Structure) -> Real:
+def pole_intervals_of_remainder(both: Structure, part: Structure) -> Real:
     """(poles, 2) rad/s between which each pole of the rest lies: neighbouring poles of both with none of the part."""
     own, taken = np.sort(both.poles.imag), part.poles.imag
     ends = np.concatenate([[0.0], own, [np.inf]])
@@ -115,14 +115,14 @@ def _start_poles(within: Real, both: Structure, part: Structure, at: Real, of: R
 
 def _fit_remainder(
     s: Complex, values: Complex, off: Complex, start: Complex, within: Real, both: Structure, at: Real
-) -> "Remainder":
+) -> "RemainingStructure":
     """The rest by values and samples of what they are off by."""
     # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
     fit = CommonPoleFit(s, values, CorrelatedErrors.of(off[::2], values))
     return fit.structure_with_samples(fit.poles(start, within), within, both, at, off[1::2])
 
 
-def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
+def known_receptances(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
     """(points,) where the receptances from the joint to all freedoms are known, and (..., points, freedoms) these."""
     at_poles = part.receptance(both.poles, of, of)[..., 0] / (both.psi @ at)
     shapes = -at_poles * both.psi
@@ -219,7 +219,7 @@ class CommonPoleFit:
 
     def structure_with_samples(
         self, poles: Complex, within: Real, both: Structure, at: Real, off: Complex
-    ) -> "Remainder":
+    ) -> "RemainingStructure":
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
         x = _numbers_of_poles(poles)
@@ -231,14 +231,14 @@ class CommonPoleFit:
         linear = found.reshape(-1) + moved[:, : found.size]
         varied = np.array([_poles_of_numbers(one) for one in np.clip(x + moved[:, found.size :], *_bounds(within))])
         highest = float(np.abs(self.s).max())
-        return Remainder(
+        return RemainingStructure(
             _samples_of_structure(both, at, poles[None], found[None], highest).one_sample(0),
             _samples_of_structure(both, at, varied, linear.reshape(-1, *found.shape), highest),
         )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Remainder:
+class RemainingStructure:
     """What is left.
 
     Attributes:
@@ -277,7 +277,7 @@ def _samples_of_structure(both: Structure, at: Real, poles: Complex, found: Real
     terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(DEFAULT.powers, np.float64)[:, None]
     every, high_hz = range(len(both.freedoms)), both.band_hz[1]
     whole = [
-        complete_residuals(t[..., None], DEFAULT.powers, every, [joint], squared_shape_sum(p, q), high_hz)
+        complete_residual_terms(t[..., None], DEFAULT.powers, every, [joint], squared_shape_sum(p, q), high_hz)
         for t, p, q in zip(terms, poles, psi, strict=True)
     ]
     residual, alone = np.array([w.terms for w in whole]), np.mean([w.alone for w in whole], axis=0)

@@ -13,7 +13,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
-from modallab.modification.outside_band import SQUARES, draw_residuals
+from modallab.modification.outside_band import SQUARES, draw_residual_terms
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure, modes_of, structure_of
 
@@ -28,7 +28,7 @@ RESOLVED_HZ = 1e-5
 """Frequencies that differ by less are of the same model, computed on another machine."""
 
 
-def samples_of(model: ModalModel, rig: Rig | None = None, count: int = COUNT) -> Structure:
+def sample_structures(model: ModalModel, rig: Rig | None = None, count: int = COUNT) -> Structure:
     """Structures (samples, ...) that the model and the tolerances of its rig leave possible.
 
     Args:
@@ -50,14 +50,14 @@ def samples_of(model: ModalModel, rig: Rig | None = None, count: int = COUNT) ->
     constants = constants * _uncertain_gains(model, rig, noise, count)
     if rig is not None:
         constants = constants + _off_points(model, rig, nominal, noise, count)
-    rows, columns = places_of(model, nominal)
+    rows, columns = freedom_indices(model, nominal)
     sampled = [
         modes_of(h, np.maximum(z, 0), a, rows, columns, len(nominal.freedoms))
         for h, z, a in zip(hz, zeta, constants, strict=True)
     ]
     off = np.where(nominal.known, OUTSIDE_MEASURED, OUTSIDE_ESTIMATED) * noise((count, 1, 1, 1))
     followed = nominal.residual - nominal.alone[:, :, None] * np.eye(len(nominal.freedoms))
-    residual = followed * (1 + off) + draw_residuals(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
+    residual = followed * (1 + off) + draw_residual_terms(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
     return replace(
         nominal, poles=np.array([p for p, _ in sampled]), psi=np.array([q for _, q in sampled]), residual=residual
     )
@@ -68,7 +68,7 @@ def _seed_of_model(model: ModalModel) -> list[int]:
     return [int(n) for n in np.floor(model.frequency_hz / RESOLVED_HZ)]
 
 
-def places_of(model: ModalModel, structure: Structure) -> tuple[list[int], list[int]]:
+def freedom_indices(model: ModalModel, structure: Structure) -> tuple[list[int], list[int]]:
     """Places of a model's outputs and inputs among the freedoms of its structure."""
     # Outputs come first among the freedoms, each with one of its own.
     columns = [structure.index((int(p or 0), structure.drive_axis)) for p in model.input_points]
@@ -114,7 +114,7 @@ def _off_points(model: ModalModel, rig: Rig, nominal: Structure, noise: Any, cou
         return np.zeros((1, *model.modal_constants.shape), np.complex128)
     # (freedoms, 2, modes): a surface has two directions.
     slopes = np.array([shapes.slopes(f) for f in nominal.freedoms])
-    rows, columns = places_of(model, nominal)
+    rows, columns = freedom_indices(model, nominal)
     sensor = rig.tolerance.position_m * noise((count, len(rows), 2))
     hit = rig.tolerance.hit_position_m * np.stack([_mean_of_hits(model, noise, count) for _ in range(2)], axis=-1)
     both = (shapes.seen + shapes.driven) / 2

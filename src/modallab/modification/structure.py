@@ -19,7 +19,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import Freedom, factor_constants, freedoms_of
-from modallab.modification.outside_band import complete_residuals, terms_of_structure
+from modallab.modification.outside_band import complete_residual_terms, residual_terms_of_structure
 
 At = int | Freedom
 """A point, or a point and an axis where several sensors stand there."""
@@ -180,8 +180,8 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
     band, powers, moved = model.band_hz, model.residual_powers, squared_shape_sum(poles, psi)
-    terms = terms_of_structure(terms_of(model), powers, rows, columns, moved / max(model.n_modes, 1))
-    outside = complete_residuals(terms, powers, rows, columns, moved, band[1])
+    terms = residual_terms_of_structure(residual_terms(model), powers, rows, columns, moved / max(model.n_modes, 1))
+    outside = complete_residual_terms(terms, powers, rows, columns, moved, band[1])
     axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
     return Structure(listed, poles, psi, powers, *outside, known, band, axis, driven, scaled)
 
@@ -191,7 +191,7 @@ def squared_shape_sum(poles: Complex, psi: Complex) -> Real:
     return np.asarray(np.sum(2 * poles.imag[:, None] * np.abs(psi) ** 2, axis=0), np.float64)
 
 
-def terms_of(model: ModalModel) -> Real:
+def residual_terms(model: ModalModel) -> Real:
     """(terms, outputs, inputs) residual terms; none in a document have no shape."""
     return np.reshape(model.residuals, (len(model.residual_powers), *model.modal_constants.shape[1:]))
 

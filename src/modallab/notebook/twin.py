@@ -66,7 +66,7 @@ class DiagnosedTwin:
         modes, point = self._modes(), self._drive(drive)
         hz = np.atleast_1d(np.asarray(f, dtype=np.float64))
         s, x = 2j * np.pi * hz, self._places()
-        residue = modes.at(x) * modes.at(self.rig.x_of(point))[0]
+        residue = modes.shapes_at(x) * modes.shapes_at(self.rig.x_of(point))[0]
         values = residue @ (1 / (s - modes.poles[:, None])) + residue.conj() @ (1 / (s - modes.poles.conj()[:, None]))
         values += self.twin.residual_compliance * modes.remainder(x, self.rig.x_of(point))[:, None]
         return frf(hz, values * s ** DERIVATIVES[quantity], inputs=point, outputs=self.points, quantity=quantity)
@@ -138,13 +138,13 @@ class DiagnosedTwin:
         return np.array([self.rig.x_of(point) for point in self.points])
 
     def _input(self, point: int) -> NDArray[np.complex128]:
-        return self._modes().at(self.rig.x_of(point))[0].astype(np.complex128)
+        return self._modes().shapes_at(self.rig.x_of(point))[0].astype(np.complex128)
 
     def _output(
         self, modes: TwinModes, b: NDArray[np.complex128], quantity: FrfQuantity
     ) -> tuple[NDArray[np.complex128], Real]:
         """(outputs, modes) and (outputs,) of the motion's derivative that the quantity measures."""
-        times, shapes = DERIVATIVES[quantity], modes.at(self._places())
+        times, shapes = DERIVATIVES[quantity], modes.shapes_at(self._places())
         # Of the displacement and the velocity the modes' shares of a jump of the force cancel.
         direct = 2 * np.real((shapes * modes.poles) @ b) if times == 2 else np.zeros(len(shapes))
         return (shapes * modes.poles**times).astype(np.complex128), direct

@@ -12,7 +12,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, blocks_of_one_level, broadband_frf
 from modallab.frf.estimate import impact_frf
-from modallab.frf.joined import least_blocks, split_blocks
+from modallab.frf.joined import fewest_blocks, split_blocks
 from modallab.frf.periodic_drive import without_decays
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
@@ -119,7 +119,7 @@ def assess_broadband(
         ordered = without_decays(ordered, poles, band)
 
     def halves() -> tuple[Frf, Frf]:
-        least = max(2, least_blocks(ordered, "H1"))
+        least = max(2, fewest_blocks(ordered, "H1"))
         if len(ordered) // 2 < least:
             raise DataError(f"there are {len(ordered)} blocks", remedy=f"record at least {2 * least}")
         one, other = (broadband_frf(half, rig, band, ordered) for half in split_blocks(ordered, 2))

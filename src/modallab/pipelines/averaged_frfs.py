@@ -14,8 +14,14 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, blocks_of_one_level, driven_lines
 from modallab.frf.distortions import Distortions, estimate_distortions
 from modallab.frf.estimate import lines_of_band
-from modallab.frf.joined import check_responses_follow, joined_spectra, least_blocks, split_blocks
-from modallab.frf.periodic_drive import RANDOM, driven_frf, resample_to_drive_clock, with_even_weights, without_decays
+from modallab.frf.joined import check_responses_follow, fewest_blocks, joined_spectra, split_blocks
+from modallab.frf.periodic_drive import (
+    RANDOM,
+    frf_of_main_level,
+    resample_to_drive_clock,
+    with_equal_line_weights,
+    without_decays,
+)
 from modallab.frf.sums import Estimator
 from modallab.frf.undriven_lines import UndrivenDistortions, distortions_at_undriven_lines, has_undriven_lines
 from modallab.identification.frf_model import NOT_FROM_RECORDS, frf_in_band, identify_frf
@@ -49,9 +55,9 @@ def frf_of_drive(
         DataError: the responses do not follow the force, a band without lines, or one block of a periodic drive for H2
             or Hv.
     """
-    measured = driven_frf(signals, rig, band_hz, estimator)
+    measured = frf_of_main_level(signals, rig, band_hz, estimator)
     check_responses_follow(measured)
-    return with_even_weights(measured)
+    return with_equal_line_weights(measured)
 
 
 def identify_drive(
@@ -75,7 +81,7 @@ def identify_drive(
     for _ in range(MOST_LOOKS if used[0].block.test in PERIODIC else 0):
         poles, before = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio), found
         used = without_decays(blocks_of_one_level(signals), poles, band)
-        frf = with_even_weights(driven_frf(used, rig, band, options.frf))
+        frf = with_equal_line_weights(frf_of_main_level(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
         if _stands_still(before, found):
             break
@@ -114,12 +120,12 @@ def _frfs_of_parts(
     signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator
 ) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    each = max(least_blocks(signals, estimator), len(signals) // PARTS)
+    each = max(fewest_blocks(signals, estimator), len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
     return [
-        frf_in_band(with_even_weights(driven_frf(part, rig, band_hz, estimator)), band_hz)
+        frf_in_band(with_equal_line_weights(frf_of_main_level(part, rig, band_hz, estimator)), band_hz)
         for part in split_blocks(signals, count)
     ]
 

@@ -16,7 +16,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.frf.broadband import driven_band
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.frf.periodic_drive import cut_to_drive_clock
+from modallab.frf.periodic_drive import resample_blocks_to_drive_clock
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
 from modallab.identification.frf_model import frf_in_band, identify_given_frf
@@ -39,7 +39,7 @@ from modallab.pipelines.levels import (
 from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
-from modallab.verification.assessment import ModelAssessment, doubts_about_modes, mismatch_warning
+from modallab.verification.assessment import ModelAssessment, doubtful_mode_sentences, mismatch_warning
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 
@@ -150,7 +150,7 @@ def _with_doubts(
     source: Source, model: ModalModel, verification: Verification, assessment: ModelAssessment, index: int = 0
 ) -> IdentifiedTest:
     """With what is to be doubted of it among its notes."""
-    doubted = (*doubts_about_modes(model, assessment.confidence), *mismatch_warning(model, verification.frac))
+    doubted = (*doubtful_mode_sentences(model, assessment.confidence), *mismatch_warning(model, verification.frac))
     noted = model.model_copy(update={"notes": (*model.notes, *doubted)})
     return IdentifiedTest(source, noted, verification, assessment, index)
 
@@ -227,7 +227,7 @@ def _identify_sine(campaign: Campaign, blocks: tuple[Block, ...], options: Ident
 
 def _identify_broadband(campaign: Campaign, test: Broadband, options: IdentificationOptions) -> IdentifiedTest:
     every, rig, notes = usable_blocks(campaign, campaign.of(test))
-    every = cut_to_drive_clock(every, options.band_hz or driven_band(every))
+    every = resample_blocks_to_drive_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
     frf = frf_of_drive(every, rig, band, options.frf)
     own_model = options.own_model

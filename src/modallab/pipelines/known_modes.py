@@ -62,7 +62,7 @@ def expected_modes(rig: Rig) -> ExpectedModes | None:
     unit_mass = np.sqrt(2j * modes.poles.imag)
 
     def shapes(points: Sequence[int]) -> NDArray[np.float64]:
-        return (modes.at(np.array([rig.x_of(point) for point in points])) * unit_mass).real.astype(np.float64)
+        return (modes.shapes_at(np.array([rig.x_of(point) for point in points])) * unit_mass).real.astype(np.float64)
 
     return ExpectedModes(
         frequency_hz=modes.frequency_hz,

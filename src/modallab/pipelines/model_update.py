@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
 from modallab.modification.known import KnownStructure
-from modallab.updating.beam_model import BeamModel, Predictor, predictor_of_matrices
+from modallab.updating.beam_model import BeamModel, Predictor, predict_modes_of_matrices
 from modallab.updating.posterior import update_parameters
 from modallab.updating.result import Prior, UpdatedParameters, measured_modes
 
@@ -65,7 +65,7 @@ def _matrix_model(
         return beam, beam.priors
     matrices, stated = read_matrix_model(of) if isinstance(of, Path) else (of, dict[str, FemParameter]())
     own = {name: Prior(p.value, p.sigma, unit=p.unit) for name, p in stated.items()}
-    return predictor_of_matrices(matrices, known.stated_rig, freedoms), _whole_campaign(known.stated_rig) | own
+    return predict_modes_of_matrices(matrices, known.stated_rig, freedoms), _whole_campaign(known.stated_rig) | own
 
 
 def _whole_campaign(rig: Rig) -> dict[str, Prior]:

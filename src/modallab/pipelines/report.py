@@ -48,13 +48,13 @@ def report_content(
             *(_outcome_of_test(campaign, item, rejected) for item in result.identified),
             *(_outcome_without_model(item) for item in result.unidentified),
         ),
-        truth=truth_of(campaign),
+        truth=modes_as_built(campaign),
         provenance={"modallab": __version__},
         setups=tuple(setups),
     )
 
 
-def truth_of(campaign: Campaign) -> TrueModes | None:
+def modes_as_built(campaign: Campaign) -> TrueModes | None:
     """The modes a simulated bench says it was built with, if it was one."""
     frequency = campaign.provenance.get("bench.frequency_hz")
     damping = campaign.provenance.get("bench.damping_ratio")

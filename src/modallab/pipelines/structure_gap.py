@@ -22,7 +22,7 @@ from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_chosen
 from modallab.reporting.structure_report import StructureGap
 from modallab.signals.signals import Signals
-from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
+from modallab.updating.elements import frf_of_elements, mesh_shapes, model_of_elements
 
 Band = tuple[float, float] | None
 """From and to, Hz."""
@@ -227,7 +227,7 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel, band_hz: Band = None
     if is_fem(path):
         fem = read_fem(path)
         how = (fem, rig, bench.band_hz, _driven_points(bench))
-        return ComparedWith(model_of_elements(*how), named, mesh_of_elements(*how), elements=fem)
+        return ComparedWith(model_of_elements(*how), named, mesh_shapes(*how), elements=fem)
     before = _on_its_own_rig(path, rig)
     return ComparedWith(model_to_compare(before, band_hz), named, before=before)
 

@@ -71,7 +71,7 @@ def _without(block: Block, channels: Collection[str]) -> Block:
     """The block without these channels."""
     if not channels:
         return block
-    return block.of_rows([k for k, name in enumerate(block.channels) if name not in channels])
+    return block.with_channels([k for k, name in enumerate(block.channels) if name not in channels])
 
 
 def _faults_in_words(faults: Mapping[str, tuple[SampleFault, ...]]) -> str:

@@ -95,4 +95,4 @@ class ChosenOutputs:
 
     def block(self, block: Block) -> Block:
         """These channels of a block of the whole rig."""
-        return block.of_rows(self.rows)
+        return block.with_channels(self.rows)

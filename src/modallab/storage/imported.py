@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.bench.protocol import BenchInfo, DeliveredSampling
-from modallab.core.block import Block, Campaign, fact_of_other_shakers
-from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
+from modallab.core.block import Block, Campaign, note_other_shakers
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, test_of_plan
 from modallab.core.units import Test
 from modallab.storage.records import BlockNote
 from modallab.storage.store import Store
@@ -80,7 +80,7 @@ def _note_of_block(block: Block) -> BlockNote:
         level=block.level,
         frequency_hz=block.frequency_hz,
         overload=tuple(name for name, flag in zip(block.channels, over, strict=False) if flag),
-        facts={"imported": "yes", **began, **fact_of_other_shakers(block.also_driven)},
+        facts={"imported": "yes", **began, **note_other_shakers(block.also_driven)},
     )
 
 
@@ -114,6 +114,6 @@ def _stored_record(provenance: Mapping[str, str], test: Test) -> list[Plan]:
         except ValidationError:
             # Of a version that is not known here: the blocks themselves are what counts.
             continue
-        if records_of(plan) == test and plan not in found:
+        if test_of_plan(plan) == test and plan not in found:
             found.append(plan)
     return found

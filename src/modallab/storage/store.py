@@ -16,7 +16,7 @@ from modallab.bench.resampling import ResamplingRule
 from modallab.core.block import Block, Ramp, other_driven_points
 from modallab.core.child_process import FileLock
 from modallab.core.errors import BlockDamagedError, StorageError
-from modallab.core.plan import Plan, SinePlan, records_of
+from modallab.core.plan import Plan, SinePlan, test_of_plan
 from modallab.core.rig import Rig
 from modallab.storage.catalogue import RunCatalogue
 from modallab.storage.durable import require_local
@@ -57,7 +57,7 @@ class Store:
         now = datetime.now(UTC)
         run = RunRecord(
             id=f"{now:%Y%m%dT%H%M%S.%f}"[:19].replace(".", "-") + f"-{plan.kind}-{secrets.token_hex(2)}",
-            test=records_of(plan),
+            test=test_of_plan(plan),
             state="created",
             reason="",
             valid=True,

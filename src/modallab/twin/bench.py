@@ -183,7 +183,7 @@ def exchange_plugs(chain: MeasurementChain, channels: tuple[int, ...], test: Tes
     return rows
 
 
-def is_flat(chain: MeasurementChain) -> bool:
+def is_frequency_independent(chain: MeasurementChain) -> bool:
     """Whether the chain is the same on every frequency."""
     return not (
         chain.corner_hz

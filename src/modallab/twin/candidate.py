@@ -126,7 +126,7 @@ class CandidateEffect:
     place: Place = NO_PLACE
     fixed: tuple[tuple[str, float], ...] = ()
 
-    def at(self, u: Real) -> Effect:
+    def effect_at(self, u: Real) -> Effect:
         """The effect at coordinates u."""
         values = {s.name: s.value(float(v)) for s, v in zip(self.slots, u, strict=True)}
         place = AlongBeam(x=min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)) if "x" in values else self.place

@@ -170,6 +170,6 @@ class EffectModel:
         return TwoChannels(channel=(rows[0], rows[1])) if self.kind.place == "pair" else OneChannel(channel=rows[0])
 
 
-def in_tolerances(value: float, tolerance: float) -> float:
+def number_in_deviations(value: float, tolerance: float) -> float:
     """A number in deviations of its tolerance; infinitely many where there is none."""
     return abs(value) / tolerance if tolerance else inf

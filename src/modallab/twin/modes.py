@@ -34,7 +34,7 @@ class TwinModes:
     length_m: float
     out_of_band: Real
 
-    def at(self, x_m: float | Real) -> Complex:
+    def shapes_at(self, x_m: float | Real) -> Complex:
         """(points, p) shapes at places on the beam."""
         return shape_rows(x_m, self.length_m) @ self.columns
 

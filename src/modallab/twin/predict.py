@@ -8,7 +8,12 @@ from modallab.core.arrays import Complex, Real
 from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs
 from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.nonlinear.element import couple_to_modes
-from modallab.twin.nonlinear.records import added_acceleration, added_in_hit, added_in_sine, prepared_steps
+from modallab.twin.nonlinear.records import (
+    added_acceleration,
+    element_response_in_hit,
+    element_response_in_sine,
+    prepared_steps,
+)
 from modallab.twin.response import HitsAtPoint, SineBlocks, SineStartUp
 
 
@@ -35,7 +40,7 @@ def predict_hit(
     lines = np.arange(float(len(spectrum)))
     one = np.ones((1, len(lines)), dtype=np.complex128)
     source = HitsAtPoint(lines, n, dt, force_n[None, first:last], np.array([first]), one)
-    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.at(x)[0]
+    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.shapes_at(x)[0]
     forced_sum = np.zeros((len(channels), len(lines)), dtype=np.complex128)
     total = np.zeros_like(forced_sum)
     for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
@@ -48,7 +53,7 @@ def predict_hit(
         stiff = twin.modes_felt_by(modes)
         own = couple_to_modes(twin.element, twin.structure, stiff)
         gain = twin.hit_gain(drive_x_m)
-        added = added_in_hit(prepared_steps(stiff, own, dt, x), gain * force_n[first:last], first, n)
+        added = element_response_in_hit(prepared_steps(stiff, own, dt, x), gain * force_n[first:last], first, n)
         seen = added_acceleration(stiff, own, _outputs_of_modes(twin.chain, stiff, channels, x_m), added, dt)
         total += np.nan_to_num(chain) * np.fft.rfft(seen, axis=1) / gain
     # A high-pass has no answer at rest: 0 / 0 there.
@@ -93,7 +98,7 @@ def predict_sine(
     source = SineBlocks(
         np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.with_clock_error(twin.clock)
     )
-    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
+    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.shapes_at(drive_x_m)[0]
     t = np.arange(n) * dt
     drive = source.drive[0]
     up = np.zeros(len(channels), dtype=np.complex128)
@@ -115,7 +120,9 @@ def predict_sine(
         own = couple_to_modes(twin.element, twin.in_sine(drive_x_m), stiff)
         began = source.rise
         times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])
-        added = added_in_sine(prepared_steps(stiff, own, dt, drive_x_m), own.law, amplitude_n, world_hz, n, dt, *times)
+        added = element_response_in_sine(
+            prepared_steps(stiff, own, dt, drive_x_m), own.law, amplitude_n, world_hz, n, dt, *times
+        )
         seen = np.fft.rfft(
             added_acceleration(stiff, own, _outputs_of_modes(twin.chain, stiff, channels, x_m), added, dt), axis=1
         )
@@ -144,7 +151,7 @@ def sensor_positions(chain: MeasurementChain, modes: TwinModes, channels: tuple[
 
 
 def _outputs_of_modes(chain: MeasurementChain, modes: TwinModes, channels: tuple[int, ...], x_m: Real) -> Complex:
-    return modes.at(sensor_positions(chain, modes, channels, x_m))
+    return modes.shapes_at(sensor_positions(chain, modes, channels, x_m))
 
 
 def _out_of_band_response(twin: Twin, modes: TwinModes, channels: tuple[int, ...], x_m: Real, drive_x_m: float) -> Real:

@@ -28,7 +28,7 @@ def base_transmission(structure: TwinStructure, x_m: Real, s: Complex) -> Comple
     rigid = np.zeros(OWN)
     rigid[0::2] = 1.0
     load = -(modes.columns.T @ (mass @ rigid))
-    out = modes.at(x_m)
+    out = modes.shapes_at(x_m)
     relative = (out * load) @ (1 / (s - modes.poles[:, None]))
     relative = relative + (out * load).conj() @ (1 / (s - modes.poles.conj()[:, None]))
     return 1 + s**2 * relative

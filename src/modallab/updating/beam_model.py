@@ -25,7 +25,7 @@ Predictor = Callable[[Mapping[str, float]], tuple[Real, Real]]
 LEAST_HZ = 1e-6
 
 
-def predictor_of_matrices(model: MatrixModel, rig: Rig, freedoms: tuple[Freedom, ...]) -> Predictor:
+def predict_modes_of_matrices(model: MatrixModel, rig: Rig, freedoms: tuple[Freedom, ...]) -> Predictor:
     """The modes of matrices at the freedoms of a test.
 
     Args:

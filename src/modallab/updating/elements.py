@@ -82,7 +82,7 @@ def frf_of_elements(fem: FemModel, rig: Rig, like: Frf, inputs: tuple[int, ...])
     )
 
 
-def mesh_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> Mesh | None:
+def mesh_shapes(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> Mesh | None:
     """Shapes of the modes of `model_of_elements` at all nodes; None where the file does not say where these are.
 
     Nor where its owner has named the nodes of points: its places need not be those of the rig then.

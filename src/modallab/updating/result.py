@@ -9,7 +9,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.rig import Tolerance
 from modallab.modification.known import KnownStructure
-from modallab.modification.samples import samples_of
+from modallab.modification.samples import sample_structures
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +175,7 @@ def measured_modes(known: KnownStructure) -> ModeData:
     hz, shapes = _real_modes(structure.poles[None], structure.psi[None])
     size = np.sqrt(np.mean(shapes[0] ** 2, axis=1, keepdims=True))
     count = max(FEWEST, PER_NUMBER * (hz.size + shapes.size))
-    many = samples_of(known.model, known.rig, count)
+    many = sample_structures(known.model, known.rig, count)
     sampled_hz, sampled = _real_modes(many.poles, many.psi)
     sign = np.sign(np.sum(sampled * shapes, axis=2, keepdims=True))
     off = np.concatenate([np.log(sampled_hz / hz), ((sign * sampled - shapes) / size).reshape(count, -1)], axis=1)

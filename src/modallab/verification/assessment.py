@@ -22,7 +22,7 @@ LEAST_FRAC = 0.9
 """A FRF with a lower FRAC is not what the model says."""
 
 
-def doubts_about_modes(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
+def doubtful_mode_sentences(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
     """Sentences on the modes to be doubted.
 
     Args:

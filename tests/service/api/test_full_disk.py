@@ -50,7 +50,9 @@ def test_a_full_disk_fails_the_run_and_nothing_else(small_disk: Path, link_rig: 
         view = client.get(f"{API}/runs/{run}").json()
         assert (view["state"], view["valid"]) == ("failed", True), view
         assert "full" in view["reason"] or "free" in view["reason"], view
-        acknowledged = {e.content["n"]: e.content["crc32"] for e in lab.service.log.after(0, 5000) if e.kind == "block"}
+        acknowledged = {
+            e.content["n"]: e.content["crc32"] for e in lab.service.log.events_after(0, 5000) if e.kind == "block"
+        }
         assert 24 > view["blocks"] >= len(acknowledged) > 0
         for n, crc in acknowledged.items():
             samples = client.get(f"{API}/runs/{run}/blocks/{n}/samples").content

@@ -110,7 +110,7 @@ def test_every_event_is_as_documented(real_lab: Lab, followed: Followed) -> None
     """Those of a run and of its rig; the stream sends what the list gives."""
     schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
     names = {kind.model_fields["kind"].default: f"EventView_{kind.__name__}" for kind in event_kinds()}
-    events = real_lab.service.log.after(0, 10_000)
+    events = real_lab.service.log.events_after(0, 10_000)
     assert {"state", "rig", "block", "hit_requested", "progress"} <= {event.kind for event in events}
     for event in events:
         judge = jsonschema_rs.validator_for(schemas[names[event.kind]] | {"components": {"schemas": schemas}})
@@ -148,7 +148,9 @@ def test_the_channels_are_seen_before_a_run_and_after_it(real_lab: Lab) -> None:
     assert before[-1][0]["ended"], "the rig belongs to the run now"
     assert position >= 5 * 100
     assert (after[0]["rig"], after[0]["run"]) == (RIG, "")
-    assert len(real_lab.store.catalogue.runs()) == len({e.run for e in real_lab.service.log.after(0, 9999)} - {""})
+    assert len(real_lab.store.catalogue.runs()) == len(
+        {e.run for e in real_lab.service.log.events_after(0, 9999)} - {""}
+    )
 
 
 def test_the_envelope_is_that_of_the_samples(followed: Followed) -> None:

@@ -46,10 +46,10 @@ def test_a_rig_is_revised_and_opened_anew(lab: Lab, link_rig: Rig) -> None:
 
 def test_a_changed_rig_file_counts_and_an_unchanged_one_does_not_undo(lab: Lab, link_rig: Rig) -> None:
     revisions = RigRevisions(lab.store.catalogue.engine)
-    assert revisions.settle("bench", link_rig) == link_rig
+    assert revisions.begin_with("bench", link_rig) == link_rig
     later = revised(link_rig, 0.02)
     revisions.add("bench", later, "diagnosed", "Ada")
-    assert revisions.settle("bench", link_rig) == later
+    assert revisions.begin_with("bench", link_rig) == later
     changed = revised(link_rig, 0.03)
-    assert revisions.settle("bench", changed) == changed
-    assert [one.number for one in revisions.all("bench")] == [1, 2, 3]
+    assert revisions.begin_with("bench", changed) == changed
+    assert [one.number for one in revisions.all_revisions("bench")] == [1, 2, 3]

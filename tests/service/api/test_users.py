@@ -22,7 +22,7 @@ LONG = ImpactPlan(points=(10,), hits=60)
 
 def token(lab: Lab, name: str, role: Role = "operator", **more: object) -> str:
     users = UserTable(lab.service.engine)
-    if all(user.name != name for user in users.all()):
+    if all(user.name != name for user in users.all_users()):
         users.add(UserRequest(name=name, role=role), "tests")
     made = users.make_token(name, TokenRequest.model_validate(more), "tests").token
     lab.app.state.callers.refresh()

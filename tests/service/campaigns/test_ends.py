@@ -33,7 +33,7 @@ LONG = ImpactPlan(points=(10, 6, 3), hits=40)
 
 
 def _of(run_log: RunLog, run: str, kind: str) -> list[EventView]:
-    return [event for event in run_log.log.after(0, 10_000) if event.run == run and event.kind == kind]
+    return [event for event in run_log.log.events_after(0, 10_000) if event.run == run and event.kind == kind]
 
 
 def _ends(run_log: RunLog, run: str) -> list[EventView]:

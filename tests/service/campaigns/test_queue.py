@@ -15,7 +15,7 @@ from modallab.core.documents.rigs import Lease
 from modallab.core.documents.runs import RunRequest, StopRun
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
-from modallab.service.api.rigs import state_of
+from modallab.service.api.rigs import process_state
 from modallab.service.campaigns import queueing
 from modallab.service.campaigns.run_start import begin_run
 from modallab.service.errors import LeaseNeededError
@@ -51,7 +51,7 @@ def lease(lab: Lab) -> Iterator[Lease]:
 
 
 def queued(lab: Lab, *plans: Plan) -> list[str]:
-    rig, campaign = state_of(lab.service, RIG), lab.campaign()
+    rig, campaign = process_state(lab.service, RIG), lab.campaign()
     return [queueing.queue_run(lab.service, rig, QueueItemRequest(campaign=campaign, plan=p), "Otto").id for p in plans]
 
 
@@ -78,7 +78,7 @@ def nothing_begins(lab: Lab, runner: QueueRunner) -> bool:
 
 
 def waits_for(lab: Lab) -> str:
-    return queueing.queue_view(lab.service, state_of(lab.service, RIG)).waits_for
+    return queueing.queue_view(lab.service, process_state(lab.service, RIG)).waits_for
 
 
 def test_runs_begin_one_after_the_other_once_their_operator_stands_there(lab: Lab, lease: Lease, runner) -> None:
@@ -144,7 +144,7 @@ def test_a_run_that_does_not_end_well_pauses_the_queue_with_its_reason(lab: Lab,
     until(lambda: item(lab, first).state == "failed")
     lab.wait_until_idle()
     assert nothing_begins(lab, runner)
-    view = queueing.queue_view(lab.service, state_of(lab.service, RIG), ended=True)
+    view = queueing.queue_view(lab.service, process_state(lab.service, RIG), ended=True)
     assert (view.paused, "stopped by the operator" in view.reason, view.consent) == (True, True, None)
     queueing.resume_queue(lab.service, RIG, lease.id)
     # Whoever resumes has not consented yet.
@@ -193,7 +193,7 @@ def test_what_was_claimed_as_the_service_died_waits_again_and_is_not_run_twice(l
 
 
 def test_a_plan_is_looked_at_when_it_is_queued(lab: Lab, lease: Lease) -> None:
-    rig, campaign = state_of(lab.service, RIG), lab.campaign()
+    rig, campaign = process_state(lab.service, RIG), lab.campaign()
     for plan in (ImpactPlan(points=(99,)), SINE.model_copy(update={"levels_v": {"low": 99.0}})):
         with pytest.raises(PlanError):
             queueing.queue_run(lab.service, rig, QueueItemRequest(campaign=campaign, plan=plan), "Otto")

@@ -43,7 +43,7 @@ def test_the_demos_campaign_has_15_good_hits_and_32_sine_blocks(demo: Path, link
     shutil.copytree(demo / "data", tmp_path / "data")
     with Store(tmp_path / "data") as store:
         campaign = campaign_of(store, [run.id for run in store.catalogue.runs()])
-        events = EventLog(store.catalogue.engine).after(0, 1000)
+        events = EventLog(store.catalogue.engine).events_after(0, 1000)
     assert [len(campaign.of("impact")), len(campaign.of("sine"))] == [15, 32]
     assert [b.order for b in campaign.blocks] == list(range(47))
     assert len({b.name for b in campaign.blocks}) == 47

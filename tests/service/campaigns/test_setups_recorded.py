@@ -9,7 +9,7 @@ from modallab.cli.demo import demo_rig
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SetUp
 from modallab.core.rig import Rig
-from modallab.core.setups import SensorMove, rig_of, setup_problems
+from modallab.core.setups import SensorMove, rig_in_set_up, setup_problems
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.setups import identify_setups
 from modallab.service.campaigns.local_session import record_campaign, record_setups
@@ -52,7 +52,7 @@ def test_sensors_are_moved_between_the_runs_and_each_is_kept_with_its_rig(tmp_pa
     rig = three_sensors()
     left, right = record_setups(BENCH, rig, [PLAN], tmp_path, lambda _: None, moved)
     assert asked == [("right", (SensorMove("a01", 1, 3), SensorMove("a02", 2, 4)))]
-    assert (left.rig, right.rig) == (rig, rig_of(rig, RIGHT))
+    assert (left.rig, right.rig) == (rig, rig_in_set_up(rig, RIGHT))
     joined = identify_setups((left, right), IdentificationOptions())
     model = joined.result.identified[0].model
     assert model.output_points == (1, 2, 3, 4, 10)

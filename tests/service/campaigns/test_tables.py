@@ -71,10 +71,10 @@ def test_events_are_read_on_from_any_number_and_never_changed(store: Store) -> N
     log = EventLog(store.catalogue.engine)
     for n in range(25):
         log.append("state", EventTopic(run=f"r{n % 2}"), {"n": n})
-    seen = log.after(0, 10)
-    assert [event.content["n"] for event in seen + log.after(seen[-1].seq, 100)] == list(range(25))
-    assert [event.content["n"] for event in log.after(0, 100, EventTopic(run="r1"))] == list(range(1, 25, 2))
-    assert log.last() == 25
+    seen = log.events_after(0, 10)
+    assert [event.content["n"] for event in seen + log.events_after(seen[-1].seq, 100)] == list(range(25))
+    assert [event.content["n"] for event in log.events_after(0, 100, EventTopic(run="r1"))] == list(range(1, 25, 2))
+    assert log.newest_number() == 25
     enter_action(store.catalogue.engine, "Ada", "look", "link", {})
     for change in ("UPDATE events SET kind = 'other'", "DELETE FROM events", "DELETE FROM audit"):
         with pytest.raises(StorageError, match="never change"):
@@ -91,7 +91,7 @@ def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> N
     renamed = ("hit_wanted", "hit_refused")
     for kind in (*renamed, "progress"):
         log.append(kind, EventTopic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
-    events = log.after(0, 10)
+    events = log.events_after(0, 10)
     assert [event.kind for event in events] == ["hit_requested", "hit_rejected", "progress"]
     assert [event.content["kind"] for event in events] == [event.kind for event in events]
     assert all(event.content["point"] == 3 for event in events)
@@ -109,7 +109,7 @@ def test_events_wait_in_order_while_the_disk_takes_none(store: Store) -> None:
         connection.execute(text("DROP TRIGGER full"))
     log.append("state", EventTopic(), {"n": 3})
     assert log.waiting == 0
-    assert [event.content["n"] for event in log.after(0, 10)] == [0, 1, 2, 3]
+    assert [event.content["n"] for event in log.events_after(0, 10)] == [0, 1, 2, 3]
 
 
 def test_a_key_is_for_one_request_and_what_a_dead_process_left_is_done_again(store: Store) -> None:

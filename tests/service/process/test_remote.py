@@ -8,7 +8,7 @@ from pydantic import SecretStr
 from modallab.core.errors import FormatError, JobError
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.service.process.start_up import configure_database, require_scheduler, tls_of
+from modallab.service.process.start_up import configure_database, require_scheduler, scheduler_certificates
 from modallab.storage import Store
 from modallab.storage.engine import database_of
 
@@ -71,6 +71,6 @@ def test_a_scheduler_is_looked_at_before_the_service_begins(tmp_path: Path) -> N
         require_scheduler(complete)
     for file in files.values():
         file.touch()
-    tls = tls_of(complete)
+    tls = scheduler_certificates(complete)
     assert tls is not None
     assert (tls.ca, tls.cert, tls.key) == tuple(files.values())

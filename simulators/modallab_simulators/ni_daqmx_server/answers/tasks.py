@@ -12,7 +12,7 @@ from modallab_simulators.ni_daqmx_server.answers import devices, stored
 from modallab_simulators.ni_daqmx_server.answers.known import COMPUTED
 from modallab_simulators.ni_daqmx_server.answers.stored import default
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.kinds import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split_channel_list
 from modallab_simulators.ni_daqmx_server.calls.timing import IMPLICIT, ON_DEMAND, require_routes, set_rate
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
@@ -35,7 +35,7 @@ def chosen_channels(task: Task, which: str) -> Sequence[Channel]:
     if not which or isinstance(task, WatchdogTask):
         return channels
     by_name = {c.name: c for c in channels} | {c.physical: c for c in channels if c.name not in channels}
-    names = [which] if which in by_name else split(which)
+    names = [which] if which in by_name else split_channel_list(which)
     for name in names:
         if name not in by_name:
             raise StatusError(status.NO_SUCH_TASK_CHANNEL, f"Channel Name: {name}")

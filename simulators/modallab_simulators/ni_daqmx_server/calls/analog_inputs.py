@@ -6,7 +6,13 @@ from modallab.core.units import STANDARD_GRAVITY
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, assigned, fields_of, settings, split
+from modallab_simulators.ni_daqmx_server.calls.kinds import (
+    MEASURES,
+    channel_names,
+    fields_of,
+    settings,
+    split_channel_list,
+)
 from modallab_simulators.ni_daqmx_server.input_task import InputChannel, InputTask
 from modallab_simulators.ni_daqmx_server.max_config import scaling
 from modallab_simulators.ni_daqmx_server.modules import Module
@@ -48,8 +54,8 @@ def add_inputs(system: SimulatedSystem, request: Any, call: str) -> Answer:
     kind = _base(call)
     task: InputTask = as_kind(system, request.task.name, InputTask)
     listed = request.voltage_physical_channel if call == "CalculatedPower" else request.physical_channel
-    physical = split(str(listed))
-    names = assigned(str(request.name_to_assign_to_channel), physical)
+    physical = split_channel_list(str(listed))
+    names = channel_names(str(request.name_to_assign_to_channel), physical)
     given = settings(kind, "AI", request)
     for name, place in zip(names, physical, strict=True):
         module = _require(system, place, call)
@@ -130,7 +136,7 @@ def add_teds(system: SimulatedSystem, request: Any, call: str) -> Answer:
     Raises:
         StatusError: no sensor with an electronic data sheet is there.
     """
-    for physical in split(str(request.physical_channel)):
+    for physical in split_channel_list(str(request.physical_channel)):
         sheet = sheet_of(system, physical, call)
         if sheet is None:
             _require(system, physical, call)

@@ -6,7 +6,7 @@ from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import Channel
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.analog_inputs import as_kind
-from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, assigned, settings, split
+from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, channel_names, settings, split_channel_list
 from modallab_simulators.ni_daqmx_server.counter_task import (
     TICKS_HZ,
     CounterInputTask,
@@ -38,14 +38,14 @@ def lines_of(system: SimulatedSystem, name: str) -> list[str]:
 
 
 def _channels(system: SimulatedSystem, request: Any) -> list[Channel]:
-    listed = split(str(request.lines))
+    listed = split_channel_list(str(request.lines))
     groups = [(name, lines_of(system, name)) for name in listed]
     module = system.module_of(listed[0])
     if request.line_grouping_raw or request.line_grouping:
         lines = [line for _, found in groups for line in found]
         name = request.name_to_assign_to_lines or (listed[0] if len(listed) == 1 else f"{listed[0]}...")
         return [Channel(name, ",".join(lines), module, _order(groups))]
-    names = assigned(str(request.name_to_assign_to_lines), listed)
+    names = channel_names(str(request.name_to_assign_to_lines), listed)
     if all(lines == [name] for name, lines in groups):
         return [Channel(n, lines[0], module) for n, (_, lines) in zip(names, groups, strict=True)]
     return [Channel(line, line, module) for _, lines in groups for line in lines]
@@ -82,9 +82,9 @@ TYPES = {"Voltage": 10322, "Current": 10134, "FuncGen": 14750}
 def add_analog(system: SimulatedSystem, request: Any, kind: str) -> Answer:
     """Analog outputs."""
     task: OutputTask = as_kind(system, request.task.name, OutputTask)
-    physical = split(str(request.physical_channel))
+    physical = split_channel_list(str(request.physical_channel))
     given = settings(f"AO{kind}", "AO", request)
-    for name, place in zip(assigned(str(request.name_to_assign_to_channel), physical), physical, strict=True):
+    for name, place in zip(channel_names(str(request.name_to_assign_to_channel), physical), physical, strict=True):
         module = system.module_of(place)
         if place not in module.output_names():
             raise StatusError(status.NO_SUCH_CHANNEL, f"Physical Channel Specified: {place}")
@@ -125,8 +125,8 @@ def add_measuring(system: SimulatedSystem, request: Any, kind: str) -> Answer:
     """Counters that measure."""
     task: CounterInputTask = as_kind(system, request.task.name, CounterInputTask)
     task.kind, task.pulses = kind, system.pulses
-    physical = split(str(request.counter))
-    for name, place in zip(assigned(str(request.name_to_assign_to_channel), physical), physical, strict=True):
+    physical = split_channel_list(str(request.counter))
+    for name, place in zip(channel_names(str(request.name_to_assign_to_channel), physical), physical, strict=True):
         task.channels.append(Channel(name, place, _module(system, place)))
         task.resources.add(place)
         for attribute, value in settings(kind, "CI", request).items():
@@ -138,8 +138,8 @@ def add_measuring(system: SimulatedSystem, request: Any, kind: str) -> Answer:
 def add_generating(system: SimulatedSystem, request: Any, kind: str) -> Answer:
     """Counters that give out pulses."""
     task: CounterOutputTask = as_kind(system, request.task.name, CounterOutputTask)
-    physical = split(str(request.counter))
-    for name, place in zip(assigned(str(request.name_to_assign_to_channel), physical), physical, strict=True):
+    physical = split_channel_list(str(request.counter))
+    for name, place in zip(channel_names(str(request.name_to_assign_to_channel), physical), physical, strict=True):
         channel = Channel(name, place, _module(system, place))
         task.channels.append(channel)
         task.resources.add(place)

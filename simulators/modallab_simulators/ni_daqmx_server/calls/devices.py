@@ -8,7 +8,7 @@ import numpy as np
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.answers.stored import write_scale
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.kinds import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split_channel_list
 from modallab_simulators.ni_daqmx_server.calls.sessions import session
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.output_task import WatchdogTask
@@ -32,7 +32,7 @@ def create_watchdog(system: SimulatedSystem, request: Any) -> Answer:
 def set_watchdog_states(system: SimulatedSystem, request: Any, kind: str) -> Answer:
     """Where outputs go when the watchdog expires."""
     task = system.task(request.task.name, WatchdogTask)
-    names = split(str(request.channel_names))
+    names = split_channel_list(str(request.channel_names))
     states = list(request.expir_state_array) or list(getattr(request, "expir_state_array_raw", []))
     for place, name in enumerate(names):
         if kind == "AO" and name not in system.lines:

@@ -9,7 +9,7 @@ _RANGE = re.compile(r"(?P<stem>.*?)(?P<first>\d+):(?:.*?)(?P<last>\d+)")
 BAD_RANGE = -200498
 
 
-def split(names: str) -> list[str]:
+def split_channel_list(names: str) -> list[str]:
     """Each channel of a list by itself.
 
     Raises:
@@ -29,11 +29,11 @@ def split(names: str) -> list[str]:
     return found
 
 
-def assigned(wanted: str, physical: list[str]) -> list[str]:
+def channel_names(wanted: str, physical: list[str]) -> list[str]:
     """The task's names of physical channels: those that were asked for, or their own."""
     if not wanted:
         return physical
-    names = split(wanted)
+    names = split_channel_list(wanted)
     if len(names) == len(physical):
         return names
     return [f"{wanted}{n}" for n in range(len(physical))]

@@ -10,7 +10,7 @@ from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.analog_inputs import add_inputs
 from modallab_simulators.ni_daqmx_server.calls.channels import add_analog
-from modallab_simulators.ni_daqmx_server.calls.kinds import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split_channel_list
 from modallab_simulators.ni_daqmx_server.calls.timing import use_saved_timing, verify
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
@@ -86,14 +86,14 @@ def load_task(system: SimulatedSystem, request: Any) -> Answer:
     found, new = session(system, request)
     if new:
         system.add(Task(found))
-        add_saved(system, found, split(system.saved.tasks[name]["Channels"]))
+        add_saved(system, found, split_channel_list(system.saved.tasks[name]["Channels"]))
         use_saved_timing(system.task(found, Task), system.saved.tasks[name])
     return {"task": found, "new_session_initialized": new}
 
 
 def add_global(system: SimulatedSystem, request: Any) -> Answer:
     """Add saved channels to a task."""
-    add_saved(system, request.task.name, split(request.channel_names))
+    add_saved(system, request.task.name, split_channel_list(request.channel_names))
     return {}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask, Task
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.kinds import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split_channel_list
 from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask, LineTask
 from modallab_simulators.ni_daqmx_server.max_config import Section
 from modallab_simulators.ni_daqmx_server.modules import coerced_rate
@@ -179,8 +179,12 @@ def set_change_detection(system: SimulatedSystem, request: Any) -> Answer:
     """A sample whenever one of these lines changes."""
     task = system.task(request.task.name, Task)
     _pace(task, CHANGE_DETECTION, request.sample_mode_raw or request.sample_mode, int(request.samps_per_chan))
-    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = ", ".join(split(request.rising_edge_chan))
-    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = ", ".join(split(request.falling_edge_chan))
+    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = ", ".join(
+        split_channel_list(request.rising_edge_chan)
+    )
+    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = ", ".join(
+        split_channel_list(request.falling_edge_chan)
+    )
     return {}
 
 

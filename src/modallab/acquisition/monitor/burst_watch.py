@@ -161,7 +161,7 @@ class BurstWatch:
         return max(self.limits.share_of_limit(samples), self.motion.share_of_limit if self.motion is not None else 0.0)
 
 
-def load_filters(limits: Limits | None) -> None:
+def import_motion_limits(limits: Limits | None) -> None:
     """Load what limits of motion need, before the bench is started: a watchdog would not wait for it.
 
     The filters take more than a second to import, which most tests need not wait for.
@@ -174,7 +174,7 @@ def _limit_motion(limits: Limits) -> bool:
     return bool(limits.velocity_m_s or limits.displacement_m or limits.stroke_m)
 
 
-def expected_to_move(limits: LimitWatch, conversion: Conversion, driven: int) -> list[int]:
+def channels_that_must_move(limits: LimitWatch, conversion: Conversion, driven: int) -> list[int]:
     """Channels with a limit that must move while so many of the shakers drive: all but the others' force channels."""
     still = conversion.forces[driven:]
     return [int(channel) for channel in np.flatnonzero(np.isfinite(limits.limit)) if channel not in still]
@@ -188,7 +188,7 @@ def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: BenchS
         conversion.si_per_count,
         stream.scale,
         conversion.force,
-        expected_to_move(watched, conversion, 1),
+        channels_that_must_move(watched, conversion, 1),
         stream.rate_hz,
     )
     motion = None

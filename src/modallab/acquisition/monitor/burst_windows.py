@@ -14,7 +14,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, cut_off
+from modallab.acquisition.monitor.rest_noise import RepetitionCounter, RestNoise, clipped_channels
 from modallab.acquisition.monitor.tone_prediction import PredictedWindow, predict_later_window, tone_basis
 from modallab.bench.protocol import Burst
 from modallab.core.arrays import Real
@@ -174,7 +174,7 @@ class BurstWindows:
         """(channels,) whether the last period, as delivered, has flat tops."""
         self._raw = np.concatenate([self._raw, samples], axis=1)[:, -max(self._raw_count, samples.shape[1]) :]
         # Before the burst there is no sine that could be cut; what rests is within the noise.
-        return cut_off(self._raw, self.noise) & (self._raw.shape[1] >= self._raw_count)
+        return clipped_channels(self._raw, self.noise) & (self._raw.shape[1] >= self._raw_count)
 
     def add(self, samples: Samples) -> None:
         """Take in what came."""
@@ -230,7 +230,7 @@ class BurstWindows:
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
         earlier, later = (self._drive[first - self._first : last - self._first] for first, last in windows)
-        if not has_drive(earlier):
+        if not is_driven(earlier):
             return None
         foreseen = predict_later_window(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
@@ -272,7 +272,7 @@ class BurstWindows:
         return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
 
 
-def has_drive(basis: Real) -> NDArray[np.bool_]:
+def is_driven(basis: Real) -> NDArray[np.bool_]:
     """Whether there is any drive in the (..., n, 3) basis of a window."""
     return np.abs(basis[..., 1:]).max(axis=(-1, -2)) > DRIVEN
 

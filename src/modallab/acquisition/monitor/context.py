@@ -11,8 +11,8 @@ from modallab.acquisition.monitor.settled import (
     Window,
     WindowLevels,
     check_settled,
-    floor_of,
     motion_decays,
+    noise_floor_of_windows,
 )
 from modallab.acquisition.monitor.stream import BenchStream, Watch
 from modallab.bench.protocol import Bench
@@ -226,6 +226,6 @@ def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = 
         ):
             stream.advance_to(end, watch)
             windows.append(context.motion_samples(end - context.rest_window, context.rest_window).copy())
-        floor = floor_of(windows, counts=stream.counts)
+        floor = noise_floor_of_windows(windows, counts=stream.counts)
         if stream.next >= last or not motion_decays(windows, floor):
             return floor

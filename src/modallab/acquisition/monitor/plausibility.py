@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_windows import HOP_S, WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows, has_drive
+from modallab.acquisition.monitor.burst_windows import HOP_S, WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows, is_driven
 from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, implausible_channel_error
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
@@ -85,7 +85,7 @@ def normal_ranges_of_windows(look: BurstWindows, force: ExpectedForce) -> Normal
         | is_noise_alone(look.windows(ends, weak), look.white_v)
         | ~(size > SEEN)
     )
-    normal = kept & ~suspect.any(axis=1) & force.is_plausible_force(look, foreseen) & has_drive(earlier)
+    normal = kept & ~suspect.any(axis=1) & force.is_plausible_force(look, foreseen) & is_driven(earlier)
     return NormalRanges(look.hop + 1, normal, size * foreseen.phase, moments, learned)
 
 

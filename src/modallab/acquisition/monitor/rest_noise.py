@@ -77,7 +77,7 @@ class RestNoise:
         return replace(self, longest_run=np.minimum(self.longest_run, other.longest_run))
 
 
-def cut_off(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
+def clipped_channels(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
     """(channels,) whether the tops of a (channels, n) window are all of one value: clipped."""
     highest, lowest = window.max(axis=1, keepdims=True), window.min(axis=1, keepdims=True)
     flat = np.maximum((window == highest).mean(axis=1), (window == lowest).mean(axis=1))

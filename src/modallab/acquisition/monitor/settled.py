@@ -114,7 +114,7 @@ class WindowLevels:
         n = window.shape[1]
         taper, energy = _hann_window(n)
         level, power = np.empty(len(window)), np.zeros(int(USED_BAND * n))
-        for i, (row, rms) in enumerate(zip(centred_rows(window), noise_rms, strict=True)):
+        for i, (row, rms) in enumerate(zip(without_mean(window), noise_rms, strict=True)):
             level[i] = _rms(row)
             power += _power_of_lines(spectrum(row * taper)[: power.size]) / rms**2
         power /= energy * len(window)
@@ -122,7 +122,7 @@ class WindowLevels:
         return cls(level, power, n)
 
 
-def centred_rows(window: Window) -> Iterator[Single]:
+def without_mean(window: Window) -> Iterator[Single]:
     """Each channel of a (channels, n) window without its mean.
 
     One at a time: what stays in the processor's cache is gone through several times as fast as all channels at once.
@@ -133,7 +133,7 @@ def centred_rows(window: Window) -> Iterator[Single]:
 
 def rms_of(window: Window) -> Real:
     """(channels,) rms of a (channels, n) window, without the mean."""
-    return np.array([_rms(row) for row in centred_rows(window)], np.float64)
+    return np.array([_rms(row) for row in without_mean(window)], np.float64)
 
 
 def _rms(row: Single) -> float:
@@ -153,7 +153,7 @@ def _power_of_lines(spectrum: NDArray[np.complexfloating]) -> NDArray[np.floatin
     return spectrum.real**2 + spectrum.imag**2
 
 
-def floor_of(windows: list[Window], *, counts: bool = True) -> NoiseFloor:
+def noise_floor_of_windows(windows: list[Window], *, counts: bool = True) -> NoiseFloor:
     """The floor from (channels, n) windows at rest, as delivered.
 
     A channel's noise may be less than one count: then the count's rounding, 1 / sqrt(12), is its floor. What a device
@@ -190,7 +190,7 @@ def check_settled(look: WindowLevels, floor: NoiseFloor) -> SettledCheck:
     return SettledCheck(float((look.rms / floor.rms).max()), line, float(excess[line]))
 
 
-def ringing_lines(look: WindowLevels, floor: NoiseFloor) -> tuple[Real, NDArray[np.int64]]:
+def lines_above_noise(look: WindowLevels, floor: NoiseFloor) -> tuple[Real, NDArray[np.int64]]:
     """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a window, and their lines."""
     power = look.power
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
@@ -205,7 +205,7 @@ def sensor_motion(block: Window, n: int, floor: NoiseFloor) -> Single:
     Lines go as far as those of a window's power.
     """
     found = np.empty((len(block), int(USED_BAND * n)), np.float32)
-    for row, moves, rms in zip(found, centred_rows(block), floor.rms, strict=True):
+    for row, moves, rms in zip(found, without_mean(block), floor.rms, strict=True):
         row[:] = np.abs(spectrum(moves, n)[: row.size]) * (2 / (block.shape[1] * rms))
     return found
 
@@ -217,7 +217,7 @@ def amplitude_of_motion(block: Window, n: int, lines: NDArray[np.int64], floor: 
     within = np.exp(np.outer(np.arange(step), turns)).astype(np.complex64).view(np.float32)
     along = np.exp(np.outer(np.arange(-(-block.shape[1] // step)) * step, turns)).astype(np.complex64)
     padded, found = np.zeros(along.shape[0] * step, np.float32), np.empty((len(block), lines.size), np.float32)
-    for row, moves, rms in zip(found, centred_rows(block), floor.rms, strict=True):
+    for row, moves, rms in zip(found, without_mean(block), floor.rms, strict=True):
         padded[: moves.size] = moves
         parts = (padded.reshape(-1, step) @ within).view(np.complex64)
         row[:] = np.abs(np.sum(parts * along, axis=0)) * (2 / (moves.size * rms))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil
 
-from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
+from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, channels_that_must_move
 from modallab.acquisition.monitor.context import BufferedBlock, RunContext
 from modallab.acquisition.monitor.run_states import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
@@ -13,14 +13,14 @@ from modallab.acquisition.procedures.broadband_wave import (
     WaveLayout,
     blocks_of_wave,
     blocks_per_wave,
-    layout_of,
+    make_waves,
     peak_v,
-    waves_of,
+    wave_layout,
 )
 from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real
-from modallab.core.block import fact_of_other_shakers
+from modallab.core.block import note_other_shakers
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits
@@ -111,8 +111,8 @@ class BroadbandTest:
         missing = self.plan.blocks - len(self.kept[level])
         most = blocks_per_wave(self.plan, self.limits.max_burst_s)
         fitting = blocks_of_wave(self.plan, number, missing, most, len(self.points))
-        layout = layout_of(self.plan, fitting, context.block / stream.rate_hz)
-        waves = waves_of(self.plan, level, number, layout, len(self.points))
+        layout = wave_layout(self.plan, fitting, context.block / stream.rate_hz)
+        waves = make_waves(self.plan, level, number, layout, len(self.points))
         if problems := over_limits(f"wave {number + 1} of {level}", waves, self.limits):
             raise PlanError("; ".join(problems), remedy="lower levels_v, or raise the rig's limits")
         context.excitation.on = True
@@ -180,7 +180,7 @@ class BroadbandTest:
                 "wave": float(wave.number + 1),
                 "wave_first_sample": float(wave.start),
                 "settle_s": layout.lead_s + place * layout.block_s,
-                **fact_of_other_shakers(self.points[1:]),
+                **note_other_shakers(self.points[1:]),
             },
         )
 
@@ -233,7 +233,7 @@ def run_broadband(context: RunContext, plan: BroadbandPlan) -> None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
     points = driven_points(plan, context.rig)
-    limited = expected_to_move(watch.limits, context.conversion, len(points))
+    limited = channels_that_must_move(watch.limits, context.conversion, len(points))
     driven = context.conversion.forces[: len(points)]
     waves = WavePlausibility(context.conversion.names, driven, limited, context.stream.rate_hz)
     watch.waves = waves

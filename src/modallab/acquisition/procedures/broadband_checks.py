@@ -10,10 +10,10 @@ from modallab.acquisition.procedures.broadband_wave import (
     blocks_of_wave,
     blocks_per_wave,
     is_periodic,
-    layout_of,
+    make_waves,
     peak_v,
     slew_v_per_s,
-    waves_of,
+    wave_layout,
 )
 from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Waveform
@@ -33,7 +33,7 @@ def driven_points(plan: BroadbandPlan, rig: Rig) -> tuple[int, ...]:
 def longest_wave_s(plan: BroadbandPlan, rig: Rig) -> float:
     """How long the longest wave of a plan lasts, from 0 V to 0 V."""
     fitting = blocks_per_wave(plan, inf if rig.limits is None else rig.limits.max_burst_s)
-    return layout_of(plan, _blocks_of_each_wave(plan, fitting, len(driven_points(plan, rig)))[0], plan.block_s).end_s
+    return wave_layout(plan, _blocks_of_each_wave(plan, fitting, len(driven_points(plan, rig)))[0], plan.block_s).end_s
 
 
 def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str]:
@@ -42,16 +42,16 @@ def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str
     least = 2 if shakers > 1 and is_periodic(plan) else 1
     problems = _too_few(plan, shakers)
     if not problems and fitting < least:
-        lasts_s = layout_of(plan, least, plan.block_s).end_s
+        lasts_s = wave_layout(plan, least, plan.block_s).end_s
         problems = [
             f"a wave of {_blocks_in_words(least)} lasts {lasts_s:.4g} s; allowed by the rig: {limits.max_burst_s:g} s"
         ]
     if problems:
         return problems
     sizes = _blocks_of_each_wave(plan, fitting, shakers)
-    layouts = [layout_of(plan, size, plan.block_s) for size in sizes]
+    layouts = [wave_layout(plan, size, plan.block_s) for size in sizes]
     for level in plan.levels_v:
-        played = [waves_of(plan, level, number, layout, shakers) for number, layout in enumerate(layouts)]
+        played = [make_waves(plan, level, number, layout, shakers) for number, layout in enumerate(layouts)]
         # One shaker's are named by their level alone, as there is no other.
         for shaker, waves in enumerate(zip(*played, strict=True)):
             which = f", shaker {shaker + 1}" if shakers > 1 else ""
@@ -185,7 +185,7 @@ class DrivenForces:
         """
         if self.count < 2:
             return
-        found = drive_followed_by_each_force(self._of(samples), waves, first_s, rate_hz)
+        found = match_forces_to_drives(self._of(samples), waves, first_s, rate_hz)
         wrong = [(name, other) for n, (name, other) in enumerate(zip(self._names, found, strict=True)) if other != n]
         if wrong and sorted(found) == list(range(self.count)):
             listed = ", ".join(f"{name} follows the drive of {self._names[other]}'s shaker" for name, other in wrong)
@@ -202,7 +202,7 @@ class DrivenForces:
         return self.conversion.forces_n(samples)[: self.count]
 
 
-def drive_followed_by_each_force(forces: Real, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> list[int]:
+def match_forces_to_drives(forces: Real, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> list[int]:
     """Which of the drives each force follows: its own, unless it follows another much more.
 
     Chirps are alike in one wave, whichever shaker plays them: of these each force follows its own.

@@ -46,7 +46,7 @@ class WaveLayout:
     end_s: float
 
 
-def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> WaveLayout:
+def wave_layout(plan: BroadbandPlan, blocks: int, block_s: float) -> WaveLayout:
     """The layout of a wave. Burst random needs neither lead nor taper: each of its blocks begins at rest."""
     if plan.signal == "burst-random":
         return WaveLayout(0.0, blocks, block_s, blocks * block_s + MARGIN_S)
@@ -55,7 +55,7 @@ def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> WaveLayout:
 
 def blocks_per_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
     """How many blocks fit into the longest wave that plan and rig allow; 0 if not one does."""
-    around_s = layout_of(plan, 0, plan.block_s).end_s
+    around_s = wave_layout(plan, 0, plan.block_s).end_s
     most = min(plan.blocks, plan.blocks_per_wave or plan.blocks)
     return max(0, floor(min(most, (max_burst_s - around_s) / plan.block_s + 1e-9)))
 
@@ -79,7 +79,7 @@ def is_periodic(plan: BroadbandPlan) -> bool:
     return plan.signal in ("pseudo-random", "chirp")
 
 
-def waves_of(plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, shakers: int) -> tuple[Waveform, ...]:
+def make_waves(plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, shakers: int) -> tuple[Waveform, ...]:
     """What each of several shakers plays at once, the first one's first.
 
     Random drive is another noise for each. Of a periodic drive, the wave of each shaker is turned by another angle in
@@ -96,10 +96,10 @@ def waves_of(plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, s
         layout: in time.
         shakers: how many play.
     """
-    return tuple(wave_of(plan, level, number, layout, shaker, shakers) for shaker in range(shakers))
+    return tuple(make_wave(plan, level, number, layout, shaker, shakers) for shaker in range(shakers))
 
 
-def wave_of(
+def make_wave(
     plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, shaker: int = 0, shakers: int = 1
 ) -> Waveform:
     """One wave.

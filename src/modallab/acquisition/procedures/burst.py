@@ -147,7 +147,7 @@ def longest_burst_s(plan: SinePlan) -> float:
     return burst_of(plan, 1.0, 1.0, max(plan.settle_s, plan.max_settle_s or 0.0)).duration_s
 
 
-def tail_s(plan: SinePlan) -> float:
+def time_to_end_of_burst_s(plan: SinePlan) -> float:
     """From the end of a block to the end of its burst."""
     return HOLD_MARGIN_S + plan.ramp_s
 

@@ -14,8 +14,8 @@ from modallab.acquisition.monitor.settled import (
     WindowLevels,
     amplitude_of_motion,
     largest_ratio,
+    lines_above_noise,
     mean_sensor_motion,
-    ringing_lines,
 )
 from modallab.acquisition.procedures.target import HitTarget
 from modallab.core.arrays import Real
@@ -216,7 +216,7 @@ class MotionBeforeHit:
     def of(cls, context: RunContext, first: int, floor: NoiseFloor) -> Self:
         """In the window that ends at sample `first`."""
         look = WindowLevels.of(context.motion_samples(first - context.rest_window, context.rest_window), floor.rms)
-        return cls(*ringing_lines(look, floor))
+        return cls(*lines_above_noise(look, floor))
 
     def relative_to_block(self, context: RunContext, first: int, floor: NoiseFloor) -> RingingBeforeHit:
         """As part of what moves in the block from sample `first`."""

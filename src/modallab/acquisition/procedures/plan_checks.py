@@ -5,13 +5,13 @@ from math import pi
 from modallab.acquisition.procedures.broadband_checks import driven_points, wave_problems
 from modallab.acquisition.procedures.broadband_wave import GROUP
 from modallab.acquisition.procedures.burst import HEADROOM, longest_burst_s
-from modallab.acquisition.procedures.target import block_name
+from modallab.acquisition.procedures.target import sine_record_name
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError
 from modallab.core.hardware import require_guarded
-from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, least_rate_hz, records_of
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, lowest_rate_hz, test_of_plan
 from modallab.core.rig import Limits, Rig
-from modallab.core.setups import rig_of, sensor_moves, setup_problems
+from modallab.core.setups import rig_in_set_up, sensor_moves, setup_problems
 
 LEAST_LINES = 8
 
@@ -28,7 +28,7 @@ def require_possible(plan: Plan, rig: Rig, bench: BenchInfo) -> None:
         ConfigurationError: nothing would end a burst should this machine die in it.
     """
     for channel in rig.channels:
-        channel.sensitivity(records_of(plan))
+        channel.sensitivity(test_of_plan(plan))
     if not isinstance(plan, ImpactPlan) and bench.streams_bursts:
         require_guarded(rig.excitation, "rig file")
     if isinstance(plan, ImpactPlan):
@@ -54,8 +54,8 @@ def _impact_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
         problems.append(f"min_force_n is {accept.min_force_n:g}; allowed: less than max_force_n")
     if plan.pre_trigger_s >= plan.block_s / 2:
         problems.append(f"pre_trigger_s is {plan.pre_trigger_s:g}; allowed: less than half of block_s = {plan.block_s}")
-    if accept.min_band_hz > USABLE_BAND * least_rate_hz(plan):
-        problems.append(_too_high("min_band_hz", accept.min_band_hz, least_rate_hz(plan)))
+    if accept.min_band_hz > USABLE_BAND * lowest_rate_hz(plan):
+        problems.append(_too_high("min_band_hz", accept.min_band_hz, lowest_rate_hz(plan)))
     return [*problems, *_setup_problems(plan, rig)]
 
 
@@ -69,7 +69,7 @@ def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
         f"setups: {setup.name} has {move.channel} at point {move.after}, the rig at {move.before};"
         " allowed: the places of the set-up"
         for setup in plan.setups
-        for move in sensor_moves(rig, rig_of(rig, setup))
+        for move in sensor_moves(rig, rig_in_set_up(rig, setup))
     ]
 
 
@@ -86,16 +86,16 @@ def _drive_problems(plan: SinePlan | BroadbandPlan, rig: Rig, can_drive: bool) -
 
 def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
     problems = _drive_problems(plan, rig, can_drive)
-    names = [block_name("", f) for f in plan.frequencies_hz]
+    names = [sine_record_name("", f) for f in plan.frequencies_hz]
     problems += [
         f"frequencies_hz: {f:.3f} Hz occurs twice"
         for n, f in enumerate(plan.frequencies_hz)
-        if block_name("", f) in names[:n]
+        if sine_record_name("", f) in names[:n]
     ]
     problems += [
-        _too_high("frequencies_hz", f, least_rate_hz(plan))
+        _too_high("frequencies_hz", f, lowest_rate_hz(plan))
         for f in plan.frequencies_hz
-        if f > USABLE_BAND * least_rate_hz(plan)
+        if f > USABLE_BAND * lowest_rate_hz(plan)
     ]
     problems += _settle_problems(plan)
     if rig.limits is None:
@@ -108,8 +108,8 @@ def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[
     low, high = plan.band_hz
     if low + LEAST_LINES / plan.block_s > high:
         problems.append(f"band_hz: {low:g} to {high:g} Hz; allowed: at least {LEAST_LINES} lines of a block wide")
-    if high > USABLE_BAND * least_rate_hz(plan):
-        problems.append(_too_high("band_hz", high, least_rate_hz(plan)))
+    if high > USABLE_BAND * lowest_rate_hz(plan):
+        problems.append(_too_high("band_hz", high, lowest_rate_hz(plan)))
     problems += _detection_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]

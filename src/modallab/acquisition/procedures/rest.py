@@ -15,8 +15,8 @@ from modallab.acquisition.monitor.settled import (
     Window,
     check_settled,
     largest_ratio,
+    lines_above_noise,
     mean_sensor_motion,
-    ringing_lines,
     sensor_motion,
 )
 from modallab.acquisition.procedures.trigger import Trigger
@@ -213,7 +213,7 @@ class RestWait:
         expected = self.motion.expected_motion(point)
         ratio, line = None, check.line
         if expected is not None:
-            ratio, line = largest_ratio(*ringing_lines(look, self.floor), expected)
+            ratio, line = largest_ratio(*lines_above_noise(look, self.floor), expected)
         if context.bench.info.real_time:
             self._cost = stream.samples_of((time.thread_time() - began) / LOOKS_SHARE)
         # A hit at a window's end hardly shows in it: the window must lie after the hit.

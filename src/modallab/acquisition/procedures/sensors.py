@@ -133,7 +133,7 @@ def _other_sensed(channel: Channel, test: Test, sensed: Mapping[str, float]) -> 
 
 
 @dataclass(frozen=True, slots=True)
-class SupplyWait:
+class SensorSettling:
     """What waiting came to.
 
     Attributes:
@@ -153,7 +153,7 @@ def supplied_channels(bench: Bench, rig: Rig) -> dict[int, str]:
 
 def wait_until_settled(
     pull: Pull, fed: Mapping[int, str], rate_hz: float, patience_s: float = PATIENCE_S
-) -> SupplyWait:
+) -> SensorSettling:
     """Read until the bias of no fed channel moves any more, at most so long; nothing is read where none is fed.
 
     Args:
@@ -163,7 +163,7 @@ def wait_until_settled(
         patience_s: at most to wait.
     """
     if not fed:
-        return SupplyWait(0.0, ())
+        return SensorSettling(0.0, ())
     rows, count = list(fed), max(16, round(_WINDOW_S * rate_hz))
     weight = np.hanning(count + 2)[1:-1]
     weight /= weight.sum()
@@ -175,6 +175,6 @@ def wait_until_settled(
         if before:
             moving = np.abs(mean - np.array(before)).max(axis=0) > _STEADY * window.std(axis=1)
             if not moving.any():
-                return SupplyWait(n * _WINDOW_S, ())
+                return SensorSettling(n * _WINDOW_S, ())
         before.append(mean)
-    return SupplyWait(patience_s, tuple(fed[row] for row, left in zip(rows, moving, strict=True) if left))
+    return SensorSettling(patience_s, tuple(fed[row] for row, left in zip(rows, moving, strict=True) if left))

@@ -8,7 +8,7 @@ from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import NoiseFloor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, BurstSetting, SineDrive, burst_of, check_burst
-from modallab.acquisition.procedures.target import SineStep, repeated_steps, steps_of
+from modallab.acquisition.procedures.target import SineStep, repeated_steps, steps_of_plan
 from modallab.bench.capabilities import ReportsOutput, SensorSupplyCheck
 from modallab.core.documents.runs import RepeatFrequency
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
@@ -57,7 +57,7 @@ class SineTest:
             SafetyError: a limit was exceeded.
             SamplesLostError: the device lost samples too often.
         """
-        self.todo.extend(steps_of(self.plan))
+        self.todo.extend(steps_of_plan(self.plan))
         self.context.life.enter_state("armed")
         self.context.life.enter_state("acquiring")
         while self.todo:

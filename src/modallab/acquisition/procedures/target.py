@@ -51,11 +51,13 @@ class SineStep:
         """Name of its record."""
         sweep = "_down" if self.downwards else ""
         return (
-            block_name(self.level, self.frequency_hz) + sweep + (f"_again_{self.repetition}" if self.repetition else "")
+            sine_record_name(self.level, self.frequency_hz)
+            + sweep
+            + (f"_again_{self.repetition}" if self.repetition else "")
         )
 
 
-def steps_of(plan: SinePlan) -> list[SineStep]:
+def steps_of_plan(plan: SinePlan) -> list[SineStep]:
     """The bursts of a plan, in order: level by level, in each the sweep that is asked for."""
     given, up = list(plan.frequencies_hz), sorted(plan.frequencies_hz)
     order = {"given": given, "up": up, "down": up[::-1], "up-down": up}[plan.sweep]
@@ -76,7 +78,7 @@ def repeated_steps(request: RepeatFrequency, kept: Mapping[str, SineStep]) -> li
     ]
 
 
-def block_name(level: str, frequency_hz: float) -> str:
+def sine_record_name(level: str, frequency_hz: float) -> str:
     """Name of a sine record."""
     return f"sine_{level}_{frequency_hz:07.3f}"
 
@@ -122,7 +124,7 @@ def require_recorded(plan: SinePlan, frequency_hz: float, level: str, blocks: Co
     Raises:
         PlanError: it is still to come.
     """
-    names = [block_name(name, frequency_hz) for name in plan.levels_v if level in ("", name)]
+    names = [sine_record_name(name, frequency_hz) for name in plan.levels_v if level in ("", name)]
     if not any(block == name or block.startswith(f"{name}_") for block in blocks for name in names):
         raise PlanError(f"{frequency_hz:g} Hz has not been recorded yet", remedy="wait until it is recorded")
 

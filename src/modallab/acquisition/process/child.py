@@ -18,7 +18,7 @@ from modallab.acquisition.process.idle_view import IdleView, idle_ring_buffer_na
 from modallab.acquisition.process.output_supervisor import HeartbeatPipe
 from modallab.acquisition.process.owner_link import BenchOpened, OwnerLink, RunEnded, RunPlan
 from modallab.acquisition.process.prepare_run import Order
-from modallab.acquisition.process.run import make_safe, run_plan
+from modallab.acquisition.process.run import run_plan, stop_output_and_bench
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
@@ -49,7 +49,7 @@ _HIGH_PRIORITY_CLASS = 0x80
 
 
 @contextmanager
-def keep_awake() -> Generator[str]:
+def prevent_sleep() -> Generator[str]:
     """While the context is open the machine does not fall asleep, where that can be had; yields what came of it.
 
     Enter and leave it in the same thread.
@@ -208,7 +208,7 @@ def _serve(link: OwnerLink, url: str, rig: Rig, folder: Path, guard: OutputGuard
                 _run(link, bench, rig, store, command, guard)
                 guard.life.report_idle()
     finally:
-        make_safe(bench)
+        stop_output_and_bench(bench)
         with suppress(BenchError):
             bench.close()
 
@@ -230,7 +230,7 @@ def _run(link: OwnerLink, bench: Bench, rig: Rig, store: Store, order: RunPlan, 
     error: ModallabError | None = None
     unusable = False
     excitation = ExcitationState()
-    sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else keep_awake()
+    sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else prevent_sleep()
 
     def control() -> Order | None:
         guard.life.report_running(driving=excitation.on)

@@ -9,13 +9,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_watch import load_filters
+from modallab.acquisition.monitor.burst_watch import import_motion_limits
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRingBuffer, LiveTap
 from modallab.acquisition.monitor.run_states import Emit, ExcitationState, OperatorRequests, RunLifecycle
 from modallab.acquisition.monitor.stream import BenchStream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
-from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
+from modallab.acquisition.procedures.burst import longest_burst_s, time_to_end_of_burst_s
 from modallab.acquisition.procedures.sensors import PATIENCE_S, sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.trip import TripLatch
@@ -23,7 +23,7 @@ from modallab.bench.protocol import AcquisitionRequest, Bench, DeliveredSampling
 from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import PlanError, RigError
 from modallab.core.events import OperatorNotice
-from modallab.core.plan import BroadbandPlan, Plan, SinePlan, records_of
+from modallab.core.plan import BroadbandPlan, Plan, SinePlan, test_of_plan
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder
@@ -109,9 +109,9 @@ def prepare_run(setup: RunSetup) -> RunContext:
     """Configure the bench, open the record, and start streaming."""
     bench, plan = setup.bench, setup.plan
     bench.zero()
-    delivery = bench.configure(AcquisitionRequest(records_of(plan), plan.rate_hz))
+    delivery = bench.configure(AcquisitionRequest(test_of_plan(plan), plan.rate_hz))
     _report_rate(setup, delivery)
-    conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
+    conversion = Conversion.of(setup.rig, test_of_plan(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut_of_plan(plan, delivery)
     if recut is None:
@@ -121,12 +121,12 @@ def prepare_run(setup: RunSetup) -> RunContext:
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
     # A block is looked at, and written, when its burst has ended.
-    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    tail = ceil(time_to_end_of_burst_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
     keep = MEMORY_BLOCKS * block + tail
     stream = BenchStream(
         bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.show_samples(delivery)
     )
-    load_filters(setup.rig.limits)
+    import_motion_limits(setup.rig.limits)
     bench.start()
     return RunContext(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
@@ -147,7 +147,7 @@ def require_sensors_known(setup: RunSetup) -> None:
     Raises:
         RigError: they contradict the rig file.
     """
-    remarks = sensor_remarks(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
+    remarks = sensor_remarks(setup.rig, test_of_plan(setup.plan), datetime.now(UTC).date(), setup.bench)
     for remark in remarks:
         setup.emit(OperatorNotice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
     wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]

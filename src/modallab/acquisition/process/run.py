@@ -96,7 +96,7 @@ def record_run(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, con
         return recorder.run
 
 
-def make_safe(bench: Bench) -> list[BenchError]:
+def stop_output_and_bench(bench: Bench) -> list[BenchError]:
     """Bring the output to zero, then stop; what fails on the way keeps neither from being tried, and is returned."""
     failed: list[BenchError] = []
     for step in (bench.zero, bench.stop):
@@ -109,7 +109,7 @@ def make_safe(bench: Bench) -> list[BenchError]:
 
 def _make_safe(setup: RunSetup) -> None:
     # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
-    for error in make_safe(setup.bench)[:1]:
+    for error in stop_output_and_bench(setup.bench)[:1]:
         remedy = f": {error.remedy}" if error.remedy else ""
         setup.emit(OperatorNotice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.core.axis_checks import check_time, whole_rate
+from modallab.core.axis_checks import check_time, nearest_whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -111,7 +111,7 @@ def _in_seconds(channel: LvmChannel, where: str) -> LvmChannel:
 
 
 def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
-    step_rate = whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
+    step_rate = nearest_whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
     if channel.x.size > 1 and not (step_rate and 2 * channel.x_error.max() > channel.step / 4):
         rate = check_time(channel.x, f"{where}, x of {channel.name}", resolution_s=channel.x_error)
         if step_rate and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):

@@ -13,7 +13,7 @@ from modallab.core.field_errors import INVALID, FieldProblem, allowed_values, is
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Certificate, Excitation, Shaker, Synchronisation
 from modallab.core.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
-from modallab.core.rig_checks import cross_problems
+from modallab.core.rig_checks import inconsistent_fields
 
 _MAX_DEPTH = 12
 _MAX_VALUES = 100_000
@@ -100,7 +100,7 @@ def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[
     sieved = _copy(content)
     for detail in details:
         _blank(sieved, _place(detail))
-    return [*problems, *cross_problems(cast("Mapping[str, object]", sieved))]
+    return [*problems, *inconsistent_fields(cast("Mapping[str, object]", sieved))]
 
 
 def _problem(detail: ErrorDetails) -> FieldProblem:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_rate, check_time
-from modallab.core.axis_checks import whole_rate
+from modallab.core.axis_checks import nearest_whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Channel, Rig
@@ -111,7 +111,7 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
         raise DataError(f"the channels differ in rate: {rates}", where=where, remedy="export channels of one rate")
     step = next(iter(steps.values()))
     if step > 0:
-        rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)
+        rate = check_rate(nearest_whole_rate(1 / step, 1e-12 / step), where)
     elif times := [c for c in group.channels.values() if _is_time(c) and len(c.samples) == len(parts[0].samples)]:
         unit, place = times[0].unit, f"{where}, channel of times"
         return options.of_times(check_time(times[0].samples * to_seconds(unit, place), place), unit, place)

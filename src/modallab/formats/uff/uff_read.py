@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.core.array_checks import check_rate, check_time
-from modallab.core.axis_checks import whole_rate
+from modallab.core.axis_checks import nearest_whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Point, Rig
@@ -137,7 +137,7 @@ def _rate(function: Function, where: str) -> float:
     step = float(function.axis[1] - function.axis[0]) if len(function.axis) > 1 else 0.0
     if not step > 0:
         raise DataError(f"the time step is {step:g} s", where=where, remedy="export the record with its time step")
-    return check_rate(whole_rate(1 / step, function.axis_error / step**2), where)
+    return check_rate(nearest_whole_rate(1 / step, function.axis_error / step**2), where)
 
 
 def _drive_point(group: _Group, rig: Rig, options: ImportOptions, where: str) -> int | None:

@@ -78,12 +78,12 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     return float(np.median(ratios)) if ratios else 1.0
 
 
-def moves_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> bool:
+def is_moving_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> bool:
     """Whether the accelerometers read more than their noise before the hits."""
     return before_hit([b for b in blocks if b.test == "impact"], rig, noise_v) >= MOVES
 
 
-def find_floor(
+def find_base_motion(
     blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex, ratio: float = 1.0
 ) -> BaseMotion | None:
     """Base motion that stands in most sine blocks beside the drive and the decays; None if there is none."""

@@ -21,7 +21,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
 from modallab.frf.joined import contiguous_blocks
-from modallab.frf.periodic_drive import cut_to_drive_clock, driven_frf
+from modallab.frf.periodic_drive import frf_of_main_level, resample_blocks_to_drive_clock
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.options import IdentificationOptions
@@ -51,7 +51,7 @@ class SettledRecords:
     doubt: dict[str, Real]
 
 
-def settle_drives(blocks: Sequence[Block], rig: Rig) -> SettledRecords:
+def join_drive_records(blocks: Sequence[Block], rig: Rig) -> SettledRecords:
     """The records of broadband drives joined and without free decays, other records as they are.
 
     Args:
@@ -85,7 +85,9 @@ def _poles_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, 
     """The modes that the FRFs of a drive show, sorted; none where they show none."""
     try:
         model, _ = identify_frf(
-            driven_frf(cut_to_drive_clock(signals, band_hz), rig, band_hz), rig, IdentificationOptions()
+            frf_of_main_level(resample_blocks_to_drive_clock(signals, band_hz), rig, band_hz),
+            rig,
+            IdentificationOptions(),
         )
     except ModallabError:
         return np.zeros(0, np.complex128)

@@ -234,7 +234,7 @@ def _samples_with_hum(block: Block, force: int) -> int:
     return before if block.test == "impact" and before > 60 else block.n_samples
 
 
-def hum_below_removal(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[float, Real]:
+def remaining_hum(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[float, Real]:
     """Frequency and (rows,) V amplitude of hum too weak to be taken out, its noise subtracted; amplitudes 0 if none."""
     best, strongest = (MAINS_HZ[0], np.zeros(len(noise_v))), WEAK
     for hz in MAINS_HZ:

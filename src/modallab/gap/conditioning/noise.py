@@ -81,7 +81,7 @@ def _noise_of_block(block: Block, force: int, driven_to: float = 0.0) -> Real | 
     return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))
 
 
-def noise_in_use(measured: Real, believed: Real) -> Real:
+def noise_for_weights(measured: Real, believed: Real) -> Real:
     """(rows,) V rms to weigh with: what was measured where it is beyond doubt larger than believed."""
     return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)
 
@@ -97,7 +97,7 @@ def measured_row_noise(blocks: Sequence[Block], believed: Real, force: int) -> R
     return np.maximum(np.median(np.array(spreads), axis=0), LEAST_V)
 
 
-def rising_power(blocks: Sequence[Block], noise_v: Real, still: Sequence[int] = ()) -> float:
+def low_frequency_noise_power(blocks: Sequence[Block], noise_v: Real, still: Sequence[int] = ()) -> float:
     """Power at 1 Hz, in V^2 per sample, of noise that rises to low frequencies as 1 / f; 0 if none does.
 
     From what sine blocks far above leave there, where nothing of the drive is: all rows share their converter, so that

@@ -12,20 +12,20 @@ from modallab.core.rig import Rig
 from modallab.gap.conditioning.ambient import (
     BaseMotion,
     RingingOfHits,
-    find_floor,
+    find_base_motion,
     find_ringing,
-    moves_before_hits,
+    is_moving_before_hits,
     without_ringing,
 )
-from modallab.gap.conditioning.driven_records import SettledRecords, settle_drives
-from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, hum_below_removal, without_hum
+from modallab.gap.conditioning.driven_records import SettledRecords, join_drive_records
+from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, remaining_hum, without_hum
 from modallab.gap.conditioning.noise import (
     lines_of_noise_estimate,
+    low_frequency_noise_power,
     measured_noise,
     measured_row_noise,
-    noise_in_use,
+    noise_for_weights,
     noise_of_rig_file,
-    rising_power,
 )
 from modallab.gap.conditioning.records import ClippedChannel, find_clipped, records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
@@ -146,10 +146,10 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
     # Samples that are lost are noise to a spectrum, and would hide themselves.
     repeated = channels_losing_samples(blocks, np.fmin(noise, measured), force)
     cleaned, poles = _cleaned_of_hum(campaign, blocks, hum, noise, masked, noisy)
-    driven = settle_drives(cleaned, campaign.rig)
+    driven = join_drive_records(cleaned, campaign.rig)
     cleaned, poles = driven.blocks, poles if len(poles) else driven.poles
     ratio = sine_clock_of(cleaned, campaign.rig, noise)
-    floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
+    floor = find_base_motion(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
     if ringing is not None:
         cleaned = tuple(without_ringing(b, campaign.rig, ringing) for b in cleaned)
@@ -161,8 +161,8 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
         measured,
         frozenset(masked),
         hum,
-        hum_below_removal(blocks, noise, force) if as_built and hum is None else None,
-        rising_power(blocks, noise, () if floor is None else (force,)) if as_built else 0.0,
+        remaining_hum(blocks, noise, force) if as_built and hum is None else None,
+        low_frequency_noise_power(blocks, noise, () if floor is None else (force,)) if as_built else 0.0,
         clipped,
         ringing,
         floor,
@@ -178,12 +178,12 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
 def _with_hum(campaign: Campaign) -> tuple[tuple[Block, ...], "RowNoises", Hum | None]:
     """The records that can be used, their noise, and the hum in them: once it is known, more of them can be."""
     blocks = usable_records(campaign)
-    noises = RowNoises.of(blocks, campaign.rig)
+    noises = RowNoises.of_records(blocks, campaign.rig)
     hum = find_hum(blocks, noises.in_use, campaign.rig.force_channel.index)
     if hum is None or len(blocks) == len(campaign.blocks):
         return blocks, noises, hum
     blocks = usable_records(campaign, hum)
-    return blocks, RowNoises.of(blocks, campaign.rig), hum
+    return blocks, RowNoises.of_records(blocks, campaign.rig), hum
 
 
 def _cleaned_of_hum(
@@ -199,7 +199,7 @@ def _cleaned_of_hum(
         return blocks, _poles_of_campaign(campaign, blocks, masked, noisy)
     cleaned = tuple(without_hum(b, hum) for b in blocks)
     poles = _poles_of_campaign(campaign, cleaned, masked, noisy)
-    decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
+    decays = poles if is_moving_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
     cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
     return cleaned, _poles_of_campaign(campaign, cleaned, masked, noisy)
 
@@ -212,12 +212,12 @@ class RowNoises(NamedTuple):
     in_use: Real
 
     @classmethod
-    def of(cls, blocks: Sequence[Block], rig: Rig) -> Self:
+    def of_records(cls, blocks: Sequence[Block], rig: Rig) -> Self:
         """Of some records of a rig."""
         believed, measured = noise_of_rig_file(rig, blocks), measured_noise(blocks, rig)
         if rig.tolerance.of_assembly:
             return cls(believed, measured, measured_row_noise(blocks, believed, rig.force_channel.index))
-        return cls(believed, measured, noise_in_use(measured, believed))
+        return cls(believed, measured, noise_for_weights(measured, believed))
 
 
 def _overloaded_blocks(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:

@@ -143,7 +143,7 @@ def _is_held_out(blocks: Sequence[Block], hold_out: HoldOut) -> set[str]:
             return hits | _third_of_sines(blocks) | _third_of_drives(blocks)
 
 
-def one_third_of(listed: Sequence[T], first: int) -> Sequence[T]:
+def every_third(listed: Sequence[T], first: int) -> Sequence[T]:
     """Every third of a list, from this place on: what is held out of it."""
     return listed[first::3]
 
@@ -153,19 +153,19 @@ def _third_of_hits(blocks: Sequence[Block], each_point: bool) -> set[str]:
     points = list(dict.fromkeys(b.drive_point for b in hits))
     if len(points) > 1 and not each_point:
         return {b.name for b in hits if b.drive_point == points[-1]}
-    return {b.name for p in points for b in one_third_of([h for h in hits if h.drive_point == p], 2)}
+    return {b.name for p in points for b in every_third([h for h in hits if h.drive_point == p], 2)}
 
 
 def _third_of_sines(blocks: Sequence[Block]) -> set[str]:
     frequencies = sorted({b.frequency_hz for b in blocks if b.test == "sine" and b.frequency_hz})
-    chosen = set(one_third_of(frequencies, 1))
+    chosen = set(every_third(frequencies, 1))
     return {b.name for b in blocks if b.test == "sine" and b.frequency_hz in chosen}
 
 
 def _third_of_drives(blocks: Sequence[Block]) -> set[str]:
     driven = [b for b in blocks if b.test in BROADBAND]
     drives = list(dict.fromkeys((b.test, b.level) for b in driven))
-    return {b.name for d in drives for b in one_third_of([b for b in driven if (b.test, b.level) == d], 1)}
+    return {b.name for d in drives for b in every_third([b for b in driven if (b.test, b.level) == d], 1)}
 
 
 SHARE = 0.02

@@ -109,7 +109,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     offsets = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
     signals = [to_signals(block, rig) for block in blocks]
     force_sigma = weights.force_noise(rig, "sine")
-    ratio, ratio_sigma = sine_ratio(signals, force_sigma)
+    ratio, ratio_sigma = measured_sine_ratio(signals, force_sigma)
     scale = _where_shown(ratio, ratio_sigma)
     lines, drive, forces, y, sigma, noise, pieces = [], [], [], [], [], [], []
     for block, signal in zip(blocks, signals, strict=True):
@@ -135,11 +135,11 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
             DataPiece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
     rows = rows_of(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
-    source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), onset_of_sines(blocks))
+    source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), start_up_of_sines(blocks))
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
 
 
-def onset_of_sines(blocks: Sequence[Block]) -> SineStartUp:
+def start_up_of_sines(blocks: Sequence[Block]) -> SineStartUp:
     """How the sines of blocks came about, the usual where a block does not say it."""
     return SineStartUp(
         np.array([HISTORY_S if b.history_s is None else b.history_s for b in blocks]),
@@ -149,7 +149,7 @@ def onset_of_sines(blocks: Sequence[Block]) -> SineStartUp:
     )
 
 
-def sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, float]:
+def measured_sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, float]:
     """Frequency of the sines in the records over what the generator was set to, and its deviation."""
     rate, n = signals[0].rate_hz, signals[0].force.size
     set_hz = np.array([frequency_on_line(s.block.frequency_hz or 0.0, n, 1 / rate) for s in signals])
@@ -164,7 +164,7 @@ def sine_clock(data: Reduced) -> float:
 def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     """The same from records as they came, of which only sines count, and (rows,) V of noise."""
     signals = [to_signals(b, rig) for b in blocks if b.test == "sine"]
-    return _where_shown(*sine_ratio(signals, Weights(noise_v).force_noise(rig, "sine"))) if signals else 1.0
+    return _where_shown(*measured_sine_ratio(signals, Weights(noise_v).force_noise(rig, "sine"))) if signals else 1.0
 
 
 def _where_shown(ratio: float, sigma: float) -> float:
@@ -183,7 +183,7 @@ def frequency_on_line(hz: float, n: int, dt: float) -> float:
     return round(line) / (n * dt) if abs(line - round(line)) < 2e-3 else hz
 
 
-def thin_lines(data: Reduced, poles: Complex) -> Reduced:
+def select_lines(data: Reduced, poles: Complex) -> Reduced:
     """The data with fewer lines, for a first look: all lines about the poles, few between them, three about a sine."""
     sines = _thin_sines(data.sines) if data.sines is not None else None
     return replace(data, impacts=tuple(_thin_part(d, poles) for d in data.impacts), sines=sines)

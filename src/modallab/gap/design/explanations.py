@@ -18,7 +18,7 @@ from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.model.restored import first_fit_of
+from modallab.gap.model.restored import start_from_diagnosis
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
 from modallab.gap.search.best_place import at_best_place
@@ -61,7 +61,7 @@ class RecordsSoFar:
     prepared: PreparedCampaign
 
 
-def records_to_plan_with(campaign: Campaign) -> RecordsSoFar:
+def prepared_with_later_records(campaign: Campaign) -> RecordsSoFar:
     """The records of a campaign as a diagnosis of these and later records would fit them.
 
     Raises:
@@ -79,11 +79,11 @@ def remaining_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
     Where one stands alone, the one behind it counts too.
     """
-    kept = without_redundant(diagnosis.candidates)
+    kept = drop_redundant_explanations(diagnosis.candidates)
     return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
 
 
-def without_redundant(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
+def drop_redundant_explanations(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     """Explanations, the likeliest first, without those that contain a likelier one: what they add is not needed."""
     kept: list[CandidateSet] = []
     for c in sorted(candidates, key=lambda c: -c.probability):
@@ -127,7 +127,9 @@ def fit_explanations(
     free = nuisances_with_hits(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
-    fits = [minimise(*first_fit_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
+    fits = [
+        minimise(*start_from_diagnosis(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets
+    ]
     best = min(fits, key=lambda f: f.cost)
     fits = [at_best_place(better_of_two_fits(f, best)) for f in fits]
     return [

@@ -136,7 +136,7 @@ def expected_outcome(rivals: RivalExplanations, gram: Real, nonlinear: Real | No
     return ExpectedOutcome(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
-def without_noise(rivals: RivalExplanations, gram: Real, true: int) -> list[tuple[float, Real]]:
+def residuals_after_refit(rivals: RivalExplanations, gram: Real, true: int) -> list[tuple[float, Real]]:
     """What each explanation leaves by slopes of the answers of one and of the records before, and its numbers then."""
     answers = np.zeros((1, len(gram)))
     answers[0, len(gram) - len(rivals.listed) + true] = 1

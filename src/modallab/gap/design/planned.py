@@ -70,10 +70,10 @@ def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
         PlanError: there is no test in the plan, or a sine test and no shaker point.
     """
     free = nuisances(rig, 450.0)
-    return records_of_plan(rig, plans, nominal_weights(rig)).predicted_by(free.build(np.zeros(free.size)))
+    return records_of_plan(rig, plans, weights_by_converter_noise(rig)).predicted_by(free.build(np.zeros(free.size)))
 
 
-def nominal_weights(rig: Rig) -> Weights:
+def weights_by_converter_noise(rig: Rig) -> Weights:
     """The noise of the converter that a rig file states, on all rows."""
     step = (rig.converter.volts_per_count if rig.converter is not None else 3e-4) / np.sqrt(12)
     own = rig.converter.noise_rms_v if rig.converter is not None else 3e-4
@@ -121,11 +121,11 @@ def records_of_plan(
 def _one_test(sines: Sequence[tuple[SineData, Real]]) -> tuple[SineData, tuple[Real]]:
     whole = sines[0][0]
     for more, _ in sines[1:]:
-        whole = with_more_sines(whole, more)
+        whole = merge_sine_tests(whole, more)
     return whole, (np.concatenate([noise for _, noise in sines]),)
 
 
-def with_more_sines(data: SineData, more: SineData) -> SineData:
+def merge_sine_tests(data: SineData, more: SineData) -> SineData:
     """The blocks of two sine tests at one point and at one rate as those of one test."""
     a, b = data.source, more.source
     rise = SineStartUp(

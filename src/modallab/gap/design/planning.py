@@ -10,13 +10,13 @@ from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
-from modallab.gap.conditioning.records import one_third_of
+from modallab.gap.conditioning.records import every_third
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import (
     Explanation,
     RecordsSoFar,
     fit_explanations,
-    records_to_plan_with,
+    prepared_with_later_records,
     undecided_explanations,
 )
 from modallab.gap.design.information import (
@@ -24,8 +24,8 @@ from modallab.gap.design.information import (
     RivalExplanations,
     expected_outcome,
     predicted_differences,
+    residuals_after_refit,
     residuals_between_explanations,
-    without_noise,
 )
 from modallab.gap.design.options import (
     HITS,
@@ -36,8 +36,8 @@ from modallab.gap.design.options import (
     possible_experiments,
     sines_on_all_lines,
 )
-from modallab.gap.design.planned import PlannedRecords, join_planned, records_of_plan, with_more_sines
-from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
+from modallab.gap.design.planned import PlannedRecords, join_planned, merge_sine_tests, records_of_plan
+from modallab.gap.model.fit import Fit, Problem, fit_at, with_relative_noise
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
@@ -93,7 +93,7 @@ class ExperimentPlanner:
     @classmethod
     def of(cls, campaign: Campaign, diagnosis: Diagnosis) -> Self:
         """What is planned with beside a campaign; errors as of `next_experiments`."""
-        sets, there, done = undecided_explanations(diagnosis), records_to_plan_with(campaign), plans_of(campaign)
+        sets, there, done = undecided_explanations(diagnosis), prepared_with_later_records(campaign), plans_of(campaign)
         rig = there.prepared.campaign.rig
         listed = possible_experiments(rig, done, diagnosis.gap.poles_hz)
         struck = [p for o in listed for plan in o.plans if isinstance(plan, ImpactPlan) for p in plan.points]
@@ -114,7 +114,7 @@ class ExperimentPlanner:
         nonlinear = np.zeros((len(listed), len(listed)))
         for true, rival in enumerate(listed):
             joint = _join_data(self.there.data, self._answered(prospect.layout, rival))
-            straight = without_noise(self.rivals, prospect.gram, true)
+            straight = residuals_after_refit(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
                 problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
                 nonlinear[true, k] = _least_squares_left(problem, other.fit, end, rival.fit) - squares
@@ -164,10 +164,10 @@ class ExperimentPlanner:
     def _fitted(self, plan: Plan) -> Plan:
         """What of a plan a fit would see."""
         if isinstance(plan, ImpactPlan):
-            return plan.model_copy(update={"hits": plan.hits - len(one_third_of(range(plan.hits), 2))})
+            return plan.model_copy(update={"hits": plan.hits - len(every_third(range(plan.hits), 2))})
         assert isinstance(plan, SinePlan)
         before = {f for p in self.done if isinstance(p, SinePlan) for f in p.frequencies_hz}
-        held = set(one_third_of(sorted(before | set(plan.frequencies_hz)), 1))
+        held = set(every_third(sorted(before | set(plan.frequencies_hz)), 1))
         kept = tuple(f for f in plan.frequencies_hz if f not in held)
         return plan.model_copy(update={"frequencies_hz": kept or plan.frequencies_hz})
 
@@ -205,7 +205,7 @@ def _least_squares_left(problem: Problem, fit: Fit, end: Real, other: Fit) -> fl
     """Least squares that an explanation leaves, from its own numbers, where slopes lead, and beside another's twin."""
     own = problem.free.size
     begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))
-    first = min((evaluated(problem, u) for u in begins), key=lambda f: f.cost)
+    first = min((fit_at(problem, u) for u in begins), key=lambda f: f.cost)
     best = min([first, *(minimise(problem, u, STEPS, 1e-4) for u in (first.u, fit.u))], key=lambda f: f.cost)
     # What is true is where it is; what is not may follow it from any other place.
     return best.cost if fit is other else at_best_place(best).cost
@@ -216,5 +216,5 @@ def _join_data(data: Reduced, more: Reduced) -> Reduced:
     if data.sines is None or more.sines is None:
         sines = data.sines or more.sines
     else:
-        sines = with_more_sines(data.sines, more.sines)
+        sines = merge_sine_tests(data.sines, more.sines)
     return replace(data, impacts=(*data.impacts, *more.impacts), sines=sines)

@@ -77,10 +77,10 @@ def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:
     Raises:
         DataError: as `predict_records`.
     """
-    return with_records(other, predict_records(diagnosis, other))
+    return replace_responses(other, predict_records(diagnosis, other))
 
 
-def with_records(other: Campaign, records: Records) -> Campaign:
+def replace_responses(other: Campaign, records: Records) -> Campaign:
     """A campaign with the forces as measured, beside them what was predicted; without the records that were not.
 
     Raises:

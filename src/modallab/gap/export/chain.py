@@ -63,7 +63,7 @@ def chain_of_structure(structure: TwinStructure, places_m: Real) -> JointedChain
     nodes = _chain_nodes(structure.length_m, places_m)
     # Undamped shapes at unit modal mass: those of the poles but for the factor of their scale.
     scale = np.sqrt(2j * modes.poles.imag)
-    shapes = np.asarray(np.real(modes.at(nodes) * scale), dtype=np.float64)
+    shapes = np.asarray(np.real(modes.shapes_at(nodes) * scale), dtype=np.float64)
     slides = bool(structure.root_translation)
     masses = _lumped_masses(shapes, structure)
     moved = _joint_displacements(nodes, slides)

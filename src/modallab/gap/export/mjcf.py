@@ -19,7 +19,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import write_text
 from modallab.gap.export.chain import JointedChain, chain_of_structure, joint_combinations
-from modallab.gap.export.mjcf_laws import law_tendon
+from modallab.gap.export.mjcf_laws import tendon_of_law
 from modallab.gap.simulations.simulated_records import Simulate
 from modallab.twin.bench import Twin
 
@@ -76,7 +76,7 @@ def mjcf_text(twin: Twin, rig: Rig, test: Test) -> str:
     names = [*(["slide"] if found.slides else []), *(f"hinge{k}" for k in range(1, len(found.nodes_m)))]
     tendons = _tendons_of_modes(found, mass)
     if twin.element is not None:
-        tendons["law"] = law_tendon(twin.element, structure, found, mass)
+        tendons["law"] = tendon_of_law(twin.element, structure, found, mass)
     _add_tendons(root, names, tendons)
     gains = {c.name: twin.chain.gain.get(c.index, 1.0) / twin.chain.force_gain for c in rig.responses}
     custom = ET.SubElement(root, "custom")

@@ -17,7 +17,7 @@ from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 from modallab.twin.structure import TwinStructure
 
 
-def require_proportion(twin: Twin, form: str) -> None:
+def require_linear_twin(twin: Twin, form: str) -> None:
     """Reject a twin that does not answer in proportion to the force, for a form that is linear.
 
     Raises:
@@ -30,7 +30,7 @@ def require_proportion(twin: Twin, form: str) -> None:
         )
 
 
-def law_tendon(
+def tendon_of_law(
     element: NonlinearElement, structure: TwinStructure, found: JointedChain, mass: Real
 ) -> tuple[Real, dict[str, str]]:
     """What the law's tendon takes of each joint, (joints,), and its spring.

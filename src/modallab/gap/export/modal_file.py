@@ -14,7 +14,7 @@ from modallab.core.units import DERIVATIVE, Test
 from modallab.formats.modes import ModeShapes
 from modallab.formats.uff.uff_shapes import read_uff_shapes
 from modallab.formats.uff.uff_write import write_uff
-from modallab.gap.export.mjcf_laws import require_proportion
+from modallab.gap.export.mjcf_laws import require_linear_twin
 from modallab.gap.export.state_space import StateSpace, modal_state_space
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve_modes
@@ -31,7 +31,7 @@ def write_modal(path: Path, twin: Twin, rig: Rig, tests: Sequence[Test]) -> None
         DataError: no response channel stands at a point, or the twin is not linear.
         StorageError: the file cannot be written.
     """
-    require_proportion(twin, "a modal model")
+    require_linear_twin(twin, "a modal model")
     channels = _exported_channels(rig)
     structures: dict[Test, TwinStructure] = {test: _structure_of_twin(twin, rig, test) for test in tests}
     models = [_exported_model(structure, rig, channels, test) for test, structure in structures.items()]
@@ -68,7 +68,7 @@ def _exported_model(structure: TwinStructure, rig: Rig, channels: Sequence[Chann
     points = tuple(c.point for c in channels)
     x = np.array([rig.x_of(c.point or 0) for c in channels])
     # At unit modal mass.
-    scaled = (modes.at(x) * np.sqrt(2j * np.abs(modes.poles.imag))).T
+    scaled = (modes.shapes_at(x) * np.sqrt(2j * np.abs(modes.poles.imag))).T
     shapes = np.asarray(scaled if structure.dampers else scaled.real, dtype=np.complex128)
     unknown = np.full(len(modes.poles), np.nan)
     driving = shapes[:, :, None] * shapes[:, None, :]
@@ -95,7 +95,7 @@ def _exported_model(structure: TwinStructure, rig: Rig, channels: Sequence[Chann
 def _exported_frf(structure: TwinStructure, rig: Rig, channels: Sequence[Channel]) -> Frf:
     modes = solve_modes(structure)
     x = np.array([rig.x_of(c.point or 0) for c in channels])
-    out = modes.at(x)
+    out = modes.shapes_at(x)
     hz = np.arange(1, round(TOP_HZ / STEP_HZ) + 1) * STEP_HZ
     s = 2j * np.pi * hz
     both = ((out, modes.poles), (out.conj(), modes.poles.conj()))

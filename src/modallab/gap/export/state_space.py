@@ -22,7 +22,7 @@ from modallab.core.errors import FormatError, PlanError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
-from modallab.gap.export.mjcf_laws import require_proportion
+from modallab.gap.export.mjcf_laws import require_linear_twin
 from modallab.twin.bench import MeasurementChain, Twin
 from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions
@@ -89,7 +89,7 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
     Raises:
         DataError: the twin is not linear.
     """
-    require_proportion(twin, "a state space")
+    require_linear_twin(twin, "a state space")
     hit = test == "impact"
     structure = twin.structure
     if not hit and rig.shaker_point is not None:
@@ -100,7 +100,7 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
     x = sensor_positions(twin.chain, modes, rows, np.array([rig.x_of(c.point or 0) for c in rig.responses]))
     order = np.array([2 - twin.chain.integrals.get(row, 0) for row in rows])
     bare = _with_residual(
-        modal_state_space(modes.poles, modes.at(x), modes.at(drive), order), twin, modes, x, drive, order
+        modal_state_space(modes.poles, modes.shapes_at(x), modes.shapes_at(drive), order), twin, modes, x, drive, order
     )
     chained = _add_measurement_chain(bare, twin.chain, rows, test)
     gains = np.array([twin.hit_gain(p.x_m) if hit else 1.0 for p in rig.points])

@@ -9,7 +9,7 @@ from modallab.core.progress import report_progress
 from modallab.gap.inference.posterior import Posterior, improved_posterior
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View, sparse
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.search.fitting import Bench, converged
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ STEPS = 12
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
     found = without_effects(bench)[1]
-    return converged(bench, evaluated(found.problem, found.u))
+    return converged(bench, fit_at(found.problem, found.u))
 
 
 def without_effects(bench: Bench) -> tuple[View, Posterior]:

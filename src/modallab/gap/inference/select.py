@@ -18,7 +18,7 @@ from modallab.gap.inference.screen import Screen, ScreenedStart
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import beam_candidates, channel_candidates, has_needed_tests, pair_candidates
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
@@ -121,7 +121,7 @@ class StepwiseSelection:
 
     def _fit(self, candidates: tuple[CandidateEffect, ...], u: Array) -> Fit:
         """An explanation on the records, which say how large its numbers are and whether more is left."""
-        return converged(self.bench, evaluated(self._problem(candidates), u))
+        return converged(self.bench, fit_at(self._problem(candidates), u))
 
     def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The explanation that the records speak for most to first order, of those that are not there already."""

@@ -19,7 +19,7 @@ from modallab.gap.inference.identified import PointModes
 from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
 from modallab.gap.model.forward import forward, impact_residue, with_shaker
-from modallab.gap.model.sensitivity import Tangent, neighbouring_modes, smooth_in
+from modallab.gap.model.sensitivity import Tangent, differ_smoothly, neighbouring_modes
 from modallab.twin.bench import Twin, chain_transfer, exchange_plugs
 from modallab.twin.modes import TwinModes, solve_modes
 
@@ -110,7 +110,7 @@ class View:
 
     def _sine_slopes(self, here: Twin, twins: Sequence[Twin], nuisances: int, at: Array) -> Array:
         J = np.full((len(twins), len(at)), np.nan)
-        smooth = sorted((k for k, t in enumerate(twins) if smooth_in(here, t)), key=lambda k: k < nuisances)
+        smooth = sorted((k for k, t in enumerate(twins) if differ_smoothly(here, t)), key=lambda k: k < nuisances)
         if smooth:
             near = sum(k < nuisances for k in smooth)
             changes = Tangent(here, self.sines).changes([twins[k] for k in smooth], near)

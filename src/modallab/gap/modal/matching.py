@@ -11,7 +11,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.gap.modal.off_axis import MeasuredFrfs
-from modallab.modification.freedoms import Freedom, freedoms_of, senses_of, with_points
+from modallab.modification.freedoms import Freedom, freedoms_of, output_signs, with_points
 from modallab.modification.shapes import shapes_of
 
 REACH = 3.0
@@ -59,12 +59,12 @@ def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, S
     rows = [o for o, f in enumerate(wanted) if f in outputs]
     columns = [i for i, f in enumerate(driven) if f in inputs and f not in driven[:i]]
     _require(rows, columns, here, rig)
-    found = _chosen(replace(bench, model=here), rows, columns, senses_of(here, rig))
+    found = _chosen(replace(bench, model=here), rows, columns, output_signs(here, rig))
     same = [_named(there.outputs, outputs, here.outputs[o], wanted[o]) for o in rows]
     # A motion along the drive is positive along it, as the force is: where the drives are opposite, both are.
     opposite = -1.0 if own.drive_direction[0] != rig.drive_direction[0] else 1.0
     along = np.array([opposite if axis == rig.drive_direction[1] else 1.0 for _, axis in outputs])
-    turned = senses_of(there, own) * along * opposite
+    turned = output_signs(there, own) * along * opposite
     known = _chosen(replace(reference, model=there), same, [inputs.index(driven[i]) for i in columns], turned)
     names = {n: getattr(found.model, n) for n in ("outputs", "output_points", "input_points")}
     known = replace(known, model=known.model.model_copy(update=names))

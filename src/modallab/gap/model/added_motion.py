@@ -15,7 +15,7 @@ from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
 from modallab.twin.modes import TwinModes, undamped_modes_key
 from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw, couple_to_modes
-from modallab.twin.nonlinear.records import added_in_hit, added_in_sine, prepared_steps
+from modallab.twin.nonlinear.records import element_response_in_hit, element_response_in_sine, prepared_steps
 from modallab.twin.nonlinear.steps import ModalSteps
 from modallab.twin.predict import drifted_modes, sensor_positions
 from modallab.twin.response import HitsAtPoint, SineBlocks
@@ -37,7 +37,7 @@ def added_to_hits(twin: Twin, modes: TwinModes, d: ImpactData, source: HitsAtPoi
         total, pushed = None, None
         steps = prepared_steps(modes, own, source.dt, x)
         for pulse, first, weight in zip(source.pulses, source.first, source.weights, strict=True):
-            motion, force = added_in_hit(steps, gain * pulse, int(first), source.n).on_lines(source.lines)
+            motion, force = element_response_in_hit(steps, gain * pulse, int(first), source.n).on_lines(source.lines)
             total = motion * weight if total is None else total + motion * weight
             pushed = force * weight if pushed is None else pushed + force * weight
         assert total is not None
@@ -80,7 +80,7 @@ def _in_block(
 ) -> tuple[Complex, Complex]:
     """What an element adds to the motion of the modes in a block of a sine, and its force, per n / 2 and per N."""
     rise = source.rise
-    found = added_in_sine(
+    found = element_response_in_sine(
         steps,
         law,
         complex(source.force[j]),
@@ -101,7 +101,7 @@ def _read(
     twin: Twin, modes: TwinModes, own: ModalCoupling, data: Reduced, s: Complex, motion: Complex, force: Complex
 ) -> Complex:
     """(channels, lines) acceleration where the accelerometers sit."""
-    psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))
+    psi = modes.shapes_at(sensor_positions(twin.chain, modes, data.channels, data.x_m))
     p = len(motion) // 2
     swing = 2 * psi[:, :p] * modes.poles[:p] ** 2
     straight = 2 * np.real((psi[:, :p] * modes.poles[:p]) @ own.shapes[:, :p].T)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.core.effect import RowsOfPlace, rows_of
+from modallab.core.effect import RowsOfPlace, channels_of_place
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
@@ -71,13 +71,13 @@ class Problem:
     def replaced(self) -> set[tuple[str, RowsOfPlace | None]]:
         """(tolerance, channel or None) that effects stand for: one quantity is one number."""
         own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).tolerance.replaces)]
-        return {(tolerance, rows_of(c.place)) for tolerance, c in own}
+        return {(tolerance, channels_of_place(c.place)) for tolerance, c in own}
 
     def effects(self, u: Real) -> list[Effect]:
         """The effects at u."""
         found, at = [], self.free.size
         for candidate in self.candidates:
-            found.append(candidate.at(u[at : at + len(candidate.slots)]))
+            found.append(candidate.effect_at(u[at : at + len(candidate.slots)]))
             at += len(candidate.slots)
         return found
 
@@ -88,7 +88,7 @@ class Problem:
     def twins(self, u: Real) -> list[Twin]:
         """The twins at many u (twins, u)."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
-        held = [rows_of(c.place) for c in self.candidates if search_of(c.effect).tolerance.replaces_gain]
+        held = [channels_of_place(c.place) for c in self.candidates if search_of(c.effect).tolerance.replaces_gain]
         bare = self.free.builds(self.free.without_gains(u[:, : self.free.size], held), self.replaced)
         return [self._with_effects(twin, own) for twin, own in zip(bare, u, strict=True)]
 
@@ -160,7 +160,7 @@ def cost_with_price(fit: Fit) -> float:
     return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
 
 
-def evaluated(problem: Problem, u: Real, normal: Real | None = None) -> Fit:
+def fit_at(problem: Problem, u: Real, normal: Real | None = None) -> Fit:
     """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
     r = problem.residual(u)
     return Fit(problem, u, float(r @ r + problem.priors(u)[0]), r, np.eye(len(u)) if normal is None else normal)

@@ -12,7 +12,12 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, hit_with_filter_ringing, onset_of_sines
+from modallab.gap.conditioning.reduce import (
+    force_amplitude,
+    frequency_on_line,
+    hit_with_filter_ringing,
+    start_up_of_sines,
+)
 from modallab.gap.conditioning.rows import DataPiece, ImpactData, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.signals.hit import windowed_force
@@ -51,7 +56,7 @@ def _impact(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Compl
     total: Complex = np.zeros(d.rows.y.shape, dtype=np.complex128)
     forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
-        forced, tail = source.kernel(pole, hit_ratios(twin, d, data))
+        forced, tail = source.kernel(pole, frequency_ratios_of_hits(twin, d, data))
         forced_sum += r @ forced
         total += (r * chain_transfer(twin.chain, data.channels, pole)) @ tail
     # The FRF of a drive is that of the best linear approximation: it says nothing of a law.
@@ -63,34 +68,36 @@ def _impact(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Compl
 
 def impact_residue(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
     """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
-    scale = float(drift_scale(twin, d.piece.order, data))
-    x, gain = driven_at(twin, d.piece)
-    drive = modes.at(x)[0] * gain
+    scale = float(frequency_scale_of_drift(twin, d.piece.order, data))
+    x, gain = drive_point_and_gain(twin, d.piece)
+    drive = modes.shapes_at(x)[0] * gain
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
 
 
-def driven_at(twin: Twin, piece: DataPiece) -> tuple[float, float]:
+def drive_point_and_gain(twin: Twin, piece: DataPiece) -> tuple[float, float]:
     """Place of the force in m, and what the beam gets of it over what is read: a shaker is screwed on, a hit is not."""
     x = piece.drive_x_m
     return (x, 1.0) if piece.by_shaker else (twin.struck_x_m(x), twin.hit_gain(x))
 
 
-def drift_scale(twin: Twin, order: float | Real, data: Reduced) -> Real:
+def frequency_scale_of_drift(twin: Twin, order: float | Real, data: Reduced) -> Real:
     """Factor that a drift has put on all frequencies at a place in time, in records."""
     return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.share_of_drift(order / data.last_order)))
 
 
-def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Real | None:
+def frequency_ratios_of_hits(twin: Twin, d: ImpactData, data: Reduced) -> Real | None:
     """(hits,) frequencies at each hit over those at their mean place in time; None where a mean hit says it all."""
     if abs(twin.ei_drift) < APART or not d.piece.orders:
         return None
-    return drift_scale(twin, np.array(d.piece.orders), data) / drift_scale(twin, d.piece.order, data)
+    return frequency_scale_of_drift(twin, np.array(d.piece.orders), data) / frequency_scale_of_drift(
+        twin, d.piece.order, data
+    )
 
 
 def impact_residual(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Real:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
-    drive, gain = driven_at(twin, d.piece)
-    softer = float(drift_scale(twin, d.piece.order, data)) ** 2
+    drive, gain = drive_point_and_gain(twin, d.piece)
+    softer = float(frequency_scale_of_drift(twin, d.piece.order, data)) ** 2
     share = twin.residual_compliance / softer * gain
     return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
@@ -116,7 +123,7 @@ def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Real | None:
     """(blocks,) factor on the frequencies at each block; None without a drift."""
     if not twin.ei_drift:
         return None
-    return drift_scale(twin, np.array([p.order for p in d.pieces]), data)
+    return frequency_scale_of_drift(twin, np.array([p.order for p in d.pieces]), data)
 
 
 def sine_residue(
@@ -124,7 +131,7 @@ def sine_residue(
 ) -> tuple[Complex, Complex]:
     """(p,) or (p, blocks) poles and (channels, p) residues of the sine test, those without drift."""
     poles = modes.poles if scale is None else modes.poles[:, None] * scale
-    return poles, _outputs(twin.chain, modes, data) * modes.at(d.pieces[0].drive_x_m)[0]
+    return poles, _outputs(twin.chain, modes, data) * modes.shapes_at(d.pieces[0].drive_x_m)[0]
 
 
 def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
@@ -140,7 +147,7 @@ def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
             a, b, decay = a / scale, b / scale, decay / scale
         up += r @ a
         down += r @ b
-        amplitude = r[:, :, None] * decay * at_poles(twin.chain, data, pole)
+        amplitude = r[:, :, None] * decay * chain_at_poles(twin.chain, data, pole)
         shape = source.decay_shape(pole)
         rings += np.moveaxis(np.moveaxis(amplitude, 2, 0) @ np.moveaxis(shape, 1, 0), 0, 1)
     at_up, at_down = (chain_transfer(twin.chain, data.channels, sign * source.drive) for sign in (1, -1))
@@ -151,7 +158,7 @@ def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
     return exchange_plugs(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
 
 
-def at_poles(chain: MeasurementChain, data: Reduced, pole: Complex) -> Complex:
+def chain_at_poles(chain: MeasurementChain, data: Reduced, pole: Complex) -> Complex:
     """(channels, p, blocks or 1) what the chain makes of a decay at each pole."""
     values = chain_transfer(chain, data.channels, pole)
     return values if values.ndim == 3 else values[:, :, None]
@@ -162,7 +169,7 @@ def _sensor_positions(chain: MeasurementChain, modes: TwinModes, data: Reduced) 
 
 
 def _outputs(chain: MeasurementChain, modes: TwinModes, data: Reduced) -> Complex:
-    return modes.at(_sensor_positions(chain, modes, data))
+    return modes.shapes_at(_sensor_positions(chain, modes, data))
 
 
 def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio: float = 1.0) -> Real:
@@ -185,4 +192,4 @@ def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio:
     n, dt = block.n_samples, 1 / block.rate_hz
     f0 = frequency_on_line(block.frequency_hz or 0.0, n, dt) * ratio
     amplitude = force_amplitude(signals, f0)
-    return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, onset_of_sines([block]))
+    return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, start_up_of_sines([block]))

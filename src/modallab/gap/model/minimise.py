@@ -16,7 +16,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.model.fit import Fit, Problem, all_rows, with_relative_noise
-from modallab.gap.model.sensitivity import Tangent, smooth_in
+from modallab.gap.model.sensitivity import Tangent, differ_smoothly
 from modallab.twin.bench import Twin
 
 STEP = 1e-4
@@ -137,7 +137,7 @@ def jacobian(problem: Problem, u: Real, r: Real, whole: bool = False) -> Real:
         # They are many and small: what the element makes of them is left to further steps.
         here = replace(here, element=None)
         twins |= {k: replace(twin, element=None) for k, twin in twins.items() if k in deviations}
-    smooth = [k for k, twin in twins.items() if smooth_in(here, twin)]
+    smooth = [k for k, twin in twins.items() if differ_smoothly(here, twin)]
     # The nuisances are many and each is small: for them the first order of the eigenvalue problem will do.
     smooth.sort(key=lambda k: k < problem.free.size)
     if smooth:
@@ -194,7 +194,7 @@ def _step(
     return None, first
 
 
-def near_floor(fit: Fit) -> bool:
+def is_near_noise_floor(fit: Fit) -> bool:
     """Whether a fit is so near the floor that the valley is narrower than it is curved."""
     return _near_floor(fit.cost, fit.residual)
 

@@ -83,7 +83,7 @@ def start(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisanc
     # The tolerances of a damper are no reason to doubt what the ring-down says of the damping.
     twin = replace(twin, structure=replace(twin.structure, dampers=()))
     for candidate in candidates:
-        twin = apply_effect(twin, candidate.at(u[at : at + len(candidate.slots)]), free.rig)
+        twin = apply_effect(twin, candidate.effect_at(u[at : at + len(candidate.slots)]), free.rig)
         at += len(candidate.slots)
     model = solve_modes(twin.structure).poles / (1 + twin.clock) * np.sqrt(1 + 0.15 * twin.ei_drift)
     scale, cost, pairs = _match(np.abs(poles), np.abs(model), free)

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.diagnosis import CandidateSet, TwinParameters
-from modallab.core.effect import AlongBeam, TwoChannels, rows_of
+from modallab.core.effect import AlongBeam, TwoChannels, channels_of_place
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
 from modallab.gap.conditioning.rows import Reduced
@@ -21,7 +21,7 @@ EDGE = 1e-6
 """How near to its bounds a share may be."""
 
 
-def coordinates_of(twin: TwinParameters, free: Nuisances) -> Real:
+def coordinates_of_twin(twin: TwinParameters, free: Nuisances) -> Real:
     """(size,) the nuisances at which a fit left the twin: what `calibrated` wrote down, the other way round.
 
     Args:
@@ -59,7 +59,9 @@ def _free(value: float, free: float = FREE, most: float = MOST) -> float:
     return float(np.sign(value) * (free + room * np.arctanh(min((abs(value) - free) / room, 1 - 1e-9))))
 
 
-def first_fit_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
+def start_from_diagnosis(
+    said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False
+) -> tuple[Problem, Real]:
     """An explanation's problem on records, and (u,) its numbers, from which a fit begins.
 
     Args:
@@ -74,7 +76,7 @@ def first_fit_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: b
     assert said.twin is not None
     found = [_free_again(e, data) for e in said.fitted]
     found = [_held_in_place(*f) for f in found] if in_place else found
-    u = np.concatenate([coordinates_of(said.twin, free), *(own for _, own in found)])
+    u = np.concatenate([coordinates_of_twin(said.twin, free), *(own for _, own in found)])
     return Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(said.twin.drift_curve)), u
 
 
@@ -103,7 +105,7 @@ def _held_in_place(candidate: CandidateEffect, own: Real) -> tuple[CandidateEffe
 def _like(effect: Effect, data: Reduced) -> list[CandidateEffect]:
     if isinstance(effect.place, TwoChannels):
         return pair_candidates(data.rig, effect.place.channel)
-    kind, row = kind_of(effect.effect).place, rows_of(effect.place)
+    kind, row = kind_of(effect.effect).place, channels_of_place(effect.place)
     return (
         channel_candidates(data.rig, row) if kind == "channel" and isinstance(row, int) else beam_candidates(data.rig)
     )

@@ -17,8 +17,15 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
-from modallab.gap.model.forward import drift_scale, driven_at, hit_ratios, sine_drift, with_clock_error, with_shaker
-from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs, is_flat
+from modallab.gap.model.forward import (
+    drive_point_and_gain,
+    frequency_ratios_of_hits,
+    frequency_scale_of_drift,
+    sine_drift,
+    with_clock_error,
+    with_shaker,
+)
+from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs, is_frequency_independent
 from modallab.twin.elements import shape_rows
 from modallab.twin.modes import TwinModes, have_same_modes, solve_modes
 from modallab.twin.neighbours import NeighbourStructures
@@ -81,8 +88,8 @@ def sensor_rows(twins: Sequence[Twin], modes: TwinModes, data: Reduced) -> Real:
 
 def hit_numbers(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduced) -> Numbers:
     """The numbers of hits at one point, on twins that drift alike."""
-    scale = float(drift_scale(twins[0], d.piece.order, data))
-    x, gains = zip(*(driven_at(t, d.piece) for t in twins), strict=True)
+    scale = float(frequency_scale_of_drift(twins[0], d.piece.order, data))
+    x, gains = zip(*(drive_point_and_gain(t, d.piece) for t in twins), strict=True)
     drive, static = modes.at(x)
     gain = np.array(gains)[:, None]
     residue = modes.outputs * (drive * gain / scale)[:, None]
@@ -226,7 +233,7 @@ def _with_slope(kernel: Kernel, poles: Complex) -> tuple[Complex, Complex]:
 
 def _unit(chain: MeasurementChain, data: Reduced) -> Callable[[Complex], Complex]:
     """(channels or 1, ...) what the chain makes of an acceleration at complex frequencies (...), but for the gains."""
-    if is_flat(chain):
+    if is_frequency_independent(chain):
         return lambda s: np.ones((1, *s.shape), dtype=np.complex128)
     own = replace(chain, gain={}, force_gain=1.0)
     return lambda s: chain_transfer(own, data.channels, s)
@@ -234,7 +241,7 @@ def _unit(chain: MeasurementChain, data: Reduced) -> Callable[[Complex], Complex
 
 def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Part:
     source, unit = with_clock_error(d.source, twin), _unit(twin.chain, data)
-    on_lines, ratios = unit(source.s), hit_ratios(twin, d, data)
+    on_lines, ratios = unit(source.s), frequency_ratios_of_hits(twin, d, data)
 
     def kernel(poles: Complex) -> Complex:
         forced, tail = source.kernel(poles, ratios)
@@ -267,7 +274,7 @@ def _of_sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> _Part
     return _part("sine", numbers, kernel, static.reshape(len(static), -1), (twin, modes), data)
 
 
-def smooth_in(twin: Twin, other: Twin) -> bool:
+def differ_smoothly(twin: Twin, other: Twin) -> bool:
     """Whether two twins differ in no more than structure, places and gains, and answer in proportion."""
     if twin.element is not None or other.element is not None:
         return False

@@ -27,7 +27,7 @@ def with_drift_curve(fit: Fit) -> Fit:
         return fit
     best = fit
     for _ in range(ROUNDS):
-        drift_curve = improved_curve(best)
+        drift_curve = refine_drift_curve(best)
         problem = replace(best.problem, drift_curve=drift_curve)
         trial = minimise(problem, best.u, 3, 1e-3)
         if trial.cost >= best.cost * (1 - 1e-3):
@@ -36,7 +36,7 @@ def with_drift_curve(fit: Fit) -> Fit:
     return best
 
 
-def improved_curve(fit: Fit) -> tuple[tuple[float, float], ...]:
+def refine_drift_curve(fit: Fit) -> tuple[tuple[float, float], ...]:
     """The curve after a Gauss-Newton step of every piece's own share at once: pieces do not know of each other."""
     data = fit.problem.data
     orders = np.array([*(d.piece.order for d in data.impacts), *(p.order for p in _sine_pieces(fit))]) / data.last_order
@@ -84,7 +84,7 @@ def twin_of(fit: Fit, data: Reduced) -> Twin:
         return own.problem.twin(own.u)
     own = replace(own, problem=replace(own.problem, data=data))
     for _ in range(STEPS):
-        own = replace(own, problem=replace(own.problem, drift_curve=improved_curve(own)))
+        own = replace(own, problem=replace(own.problem, drift_curve=refine_drift_curve(own)))
     return own.problem.twin(own.u)
 
 

@@ -37,7 +37,7 @@ def _beam_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]
         return []
     free = choice.base.problem.free
     nominal = np.abs(solve_modes(free.build(np.zeros(free.size)).structure).poles)
-    shift, share = common_shift(np.abs(prepared.poles), nominal)
+    shift, share = common_frequency_shift(np.abs(prepared.poles), nominal)
     t = free.rig.tolerance
     allowed = 0.5 * float(np.sqrt(t.youngs_modulus**2 + (2 * t.thickness) ** 2 + t.density**2))
     if share < 0.99 or abs(shift) < FAR * allowed:
@@ -49,7 +49,7 @@ def _beam_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]
     ]
 
 
-def common_shift(seen: Real, model: Real) -> tuple[float, float]:
+def common_frequency_shift(seen: Real, model: Real) -> tuple[float, float]:
     """The factor, as a logarithm, that brings the model's frequencies to those seen, and the share that then agree.
 
     Args:

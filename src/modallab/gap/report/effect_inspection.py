@@ -11,7 +11,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.diagnosis import FoundEffect
-from modallab.core.effect import AllChannels, FixedPlace, OneChannel, Place, rows_of
+from modallab.core.effect import AllChannels, FixedPlace, OneChannel, Place, channels_of_place
 from modallab.core.effects import kind_of, row_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
@@ -60,7 +60,7 @@ def is_in_revisions(found: FoundEffect, rig: Rig) -> bool:
     """Whether the revisions of the rig hold an effect seen on the records, at its place and of about its size."""
     return any(
         known.effect == found.effect
-        and rows_of(known.place) == rows_of(found.place)
+        and channels_of_place(known.place) == channels_of_place(found.place)
         and all(1 / ALIKE < value / found.parameters[name] < ALIKE for name, value in known.parameters.items())
         for known in rig.known_effects
     )

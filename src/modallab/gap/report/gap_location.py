@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 from modallab.core.diagnosis import FoundEffect, GapLocation, Verdict
 from modallab.core.digits import share_text
-from modallab.core.effect import rows_of, x_m_of
+from modallab.core.effect import channels_of_place, x_m_of
 from modallab.core.effects import Stage, kind_of
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import ResidualTestsResult
-from modallab.gap.report.measure import band_of, share_of_gap_closed, share_within, shares_by_frequency
+from modallab.gap.report.measure import name_of_band, share_of_gap_closed, share_of_squares_within, shares_by_frequency
 from modallab.gap.search.choose import Choice
 
 MOSTLY = 0.8
@@ -50,7 +50,7 @@ def gap_location(
         x_m=next((x for f in found if (x := x_m_of(f.place)) is not None), None) if verdict == "known" else None,
         tests=list(tests),
         bands=bands,
-        share=share_within(choice.base.problem.twin(choice.base.u), data, tests, of_all, bands),
+        share=share_of_squares_within(choice.base.problem.twin(choice.base.u), data, tests, of_all, bands),
         why=why,
     )
 
@@ -95,7 +95,7 @@ def _reasons_of_place(lead: FoundEffect, location: ResidualTestsResult | None, c
 
 
 def _rows_of(found: FoundEffect, force: int, channels: tuple[int, ...]) -> list[int]:
-    rows = rows_of(found.place)
+    rows = channels_of_place(found.place)
     if kind_of(found.effect).place == "force":
         return [force]
     if isinstance(rows, int):
@@ -104,7 +104,7 @@ def _rows_of(found: FoundEffect, force: int, channels: tuple[int, ...]) -> list[
 
 
 def _bands_of_gap(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
-    shares = shares_by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
+    shares = shares_by_frequency(choice.base.problem.twin(choice.base.u), data, name_of_band)
     held: list[tuple[float, float]] = []
     total = 0.0
     for name, share in sorted(shares.items(), key=lambda kv: -kv[1]):

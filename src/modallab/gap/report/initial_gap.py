@@ -9,7 +9,7 @@ from modallab.core.hold_out import HoldOut
 from modallab.gap.conditioning.overtones import harmonics_of_sines
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.conditioning.records import records_as_recorded, split_held_out
-from modallab.gap.conditioning.reduce import reduce_blocks, sine_clock, thin_lines
+from modallab.gap.conditioning.reduce import reduce_blocks, select_lines, sine_clock
 from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.identified import identified
@@ -94,7 +94,7 @@ def problem_of_records(
     data = reduce_blocks(prepared.campaign, fitted, weights_of(prepared))
     flat = _has_flat_tops(prepared)
     found = tuple(harmonics_of_sines(fitted, prepared.campaign.rig, sine_clock(data)))
-    thin = thin_lines(data, prepared.poles)
+    thin = select_lines(data, prepared.poles)
     points = identified(data, fitted, reliable_accelerometers(prepared), DEFAULT.top_hz, prepared.driven.poles)
     return Bench(data, thin, free, prepared.poles, allowed, flat, found, points=points)
 

@@ -75,7 +75,7 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> ResidualT
 
 def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> ResidualTestsResult:
     """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
-    shift = pole_spread(bench, base)
+    shift = rms_shift_of_poles(bench, base)
     by_test = {t: excess(_gap_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
     why = [f"The poles of the ring-down lie {percent_text(shift)} (rms) off those of the best beam."]
     if by_test:
@@ -105,7 +105,7 @@ def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> 
 
 def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> ResidualTestsResult:
     """The chain of all channels, if they are off alike: its clock and its delays, or what is sensed."""
-    common, flat = shares_alike(base)
+    common, flat = share_left_by_common_factors(base)
     everywhere = bench.data.channels
     if common > ALIKE:
         reason = (
@@ -124,7 +124,7 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
         removed = share_text(1 - flat)
         reason = f"One real factor on all channels and lines removes {removed} of the gap: the gain of the force."
         return ResidualTestsResult("sensor", (force,), tests, (*why, reason))
-    late = delay_share(base)
+    late = share_explained_by_delay(base)
     if late > LATE:
         reason = (
             f"All channels are off alike, and {percent_text(late)} of their phase error grows with frequency: a delay."
@@ -136,7 +136,7 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
     return ResidualTestsResult("sensor", everywhere, tests, (*why, reason))
 
 
-def delay_share(base: Fit) -> float:
+def share_explained_by_delay(base: Fit) -> float:
     """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1.
 
     The coefficient of determination of a regression of phase on frequency through 0, weighted by the response.
@@ -160,7 +160,7 @@ def _gap_in_noise_units(base: Fit) -> tuple[Complex, Complex, Real]:
     return seen, y, np.concatenate(row_frequencies_hz(data))
 
 
-def shares_alike(base: Fit) -> tuple[float, float]:
+def share_left_by_common_factors(base: Fit) -> tuple[float, float]:
     """Share of the gap that stays once all channels of a line may be off alike, and once all lines are too.
 
     The first allows a factor of its own on each line and a delay that grows from row to row, as a chain does; the
@@ -181,7 +181,7 @@ def _gap_by_line(seen: Complex, y: Complex) -> float:
     return float(np.sum(np.abs(seen - factors * y) ** 2))
 
 
-def pole_spread(bench: Bench, base: Fit) -> float:
+def rms_shift_of_poles(bench: Bench, base: Fit) -> float:
     """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
     if len(bench.poles) < 2:
         return 0.0

@@ -105,7 +105,7 @@ def _residuals_in_records(
                 yield r[i, j], used[i, j], (piece.name, "sine", piece.level or "", piece.order), channel
 
 
-def share_within(
+def share_of_squares_within(
     twin: Twin, data: Reduced, tests: Sequence[str], rows: Sequence[int], bands: Sequence[tuple[float, float]]
 ) -> float:
     """Share of the squares above the floor that lie in these tests, rows (none: all) and bands, 0 to 1."""
@@ -136,7 +136,7 @@ def labels_of_entries(data: Reduced, resonances_hz: Sequence[float]) -> tuple[li
         rows, channels = len(hz), len(names)
         labels["test"].append(np.full(channels * rows, test))
         labels["channel"].append(np.repeat(names, rows))
-        labels["band"].append(np.tile([band_of(float(f)) for f in hz], channels))
+        labels["band"].append(np.tile([name_of_band(float(f)) for f in hz], channels))
         labels["mode"].append(np.tile([mode_of(float(f)) for f in hz], channels))
     whole: dict[Division, NDArray[np.str_]] = {kind: np.concatenate(parts) for kind, parts in labels.items() if parts}
     columns: list[tuple[Division, str]] = [
@@ -175,7 +175,7 @@ def nearest_mode(resonances_hz: Sequence[float]) -> Callable[[float], str]:
     return mode_of
 
 
-def band_of(hz: float) -> str:
+def name_of_band(hz: float) -> str:
     """The name of the band a frequency lies in."""
     for low, high in itertools.pairwise(BANDS_HZ):
         if low <= hz < high:

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
 from modallab.twin.modes import solve_modes
@@ -73,13 +73,13 @@ def _shape_of_slowest_mode(fit: Fit, x: float) -> float:
     """Size of the slowest mode's shape at a place over L."""
     structure = fit.problem.twin(fit.u).structure
     modes = solve_modes(structure)
-    return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
+    return float(abs(modes.shapes_at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
 
 
 def _fit_at_place(problem: Problem, u: Real, J: Real, place: int) -> Fit:
     """A few steps of all numbers but the place, with slopes that are known."""
     moving = np.delete(np.arange(len(u)), place)
-    n, here, damping = problem.free.size, evaluated(problem, u), FIRST
+    n, here, damping = problem.free.size, fit_at(problem, u), FIRST
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(u)[2]
     held = normal[np.ix_(moving, moving)]
@@ -90,6 +90,6 @@ def _fit_at_place(problem: Problem, u: Real, J: Real, place: int) -> Fit:
         gradient[:n] += problem.priors(here.u)[1]
         there = here.u.copy()
         there[moving] -= np.linalg.solve(held + damping * np.diag(own), gradient[moving])
-        after = evaluated(problem, there)
+        after = fit_at(problem, there)
         here, damping = (after, damping / 10) if after.cost < here.cost else (here, damping * 10)
     return here

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.choose import Choice, choose
@@ -34,7 +34,7 @@ def linear_beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Cho
         matters: see `choose`.
     """
     linear = replace(linear_part(bench, base), free=replace(bench.free, stepped=False))
-    levels = StepwiseSelection(linear, evaluated(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
+    levels = StepwiseSelection(linear, fit_at(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
     return choose(bench, _with_element(bench, base, levels), matters)
 
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.progress import part_of_progress
-from modallab.gap.conditioning.reduce import thin_lines
+from modallab.gap.conditioning.reduce import select_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import Bench, evaluated_on_all, refitted_without, without_effect
 from modallab.gap.search.laws import law_round
@@ -41,7 +41,7 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     # The root that such a law leaves soft stands in its own numbers again.
     kept = [(c, own) for c, own in _coordinates(level.fits[0]) if not (law in SOFT and c.effect == ROOT)]
     u = np.concatenate([level.fits[0].u[: bench.free.size], *(own for _, own in kept)])
-    linear = evaluated(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
+    linear = fit_at(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
     with part_of_progress(0.6, 1.0):
         both = law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
     # Beside another effect the law may have found a better place: it counts without that effect as well.
@@ -58,7 +58,7 @@ def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
 def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
     data = without_element(bench.data, fit.problem.twin(fit.u))
-    return replace(bench, data=data, thin=thin_lines(data, bench.poles), points=again(bench.points, data))
+    return replace(bench, data=data, thin=select_lines(data, bench.poles), points=again(bench.points, data))
 
 
 def without_element(data: Reduced, twin: Twin) -> Reduced:
@@ -80,7 +80,7 @@ def linear_fit(bench: Bench, fit: Fit) -> Fit:
     problem = Problem(bench.data, bench.free, problem.candidates)
     if stepped.effect in SOFT:
         root = _soft_root(bench)
-        stiffness = stepped.at(own).parameters[SOFT[stepped.effect]]
+        stiffness = stepped.effect_at(own).parameters[SOFT[stepped.effect]]
         problem = replace(problem, candidates=(*problem.candidates, root))
         u = np.append(u, root.slots[0].coordinate(stiffness))
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))

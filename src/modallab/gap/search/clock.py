@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.search.fitting import Bench, converged, fit_from_poles
 from modallab.twin.effects import search_of
 
@@ -31,5 +31,5 @@ def fit_with_clock(bench: Bench, base: Fit) -> Fit | None:
     if candidate is None or bench.data.sines is None or not clock_error_visible(bench):
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
-    strained = evaluated(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
+    strained = fit_at(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
     return min(fit_from_poles(bench, (candidate,), own), converged(bench, strained), key=lambda f: f.cost)

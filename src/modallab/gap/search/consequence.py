@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from modallab.core.digits import percent_text
 from modallab.core.effects import Effect, kind_of
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import Fit, evaluated
+from modallab.gap.model.fit import Fit, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.model.residual_shares import largest_difference
 from modallab.gap.model.twin_of_fit import twin_of
@@ -81,6 +81,6 @@ def _dismissal(fit: Fit, refitted: Fit, at: int, held: Reduced, clock_visible: b
         # What takes its work over only by leaving its own tolerance is no ordinary bench.
         return Dismissed(effect, deviations, float("inf"))
     alone = no_tolerance_acts_like(effect.effect, clock_visible)
-    bare = evaluated(*without_effect(fit.problem, fit.u, at)) if alone else refitted
+    bare = fit_at(*without_effect(fit.problem, fit.u, at)) if alone else refitted
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
     return Dismissed(effect, deviations, largest_difference(held, *answers))

@@ -13,9 +13,9 @@ from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import FELT, minimise, near_floor
+from modallab.gap.model.minimise import FELT, is_near_noise_floor, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
@@ -92,7 +92,7 @@ def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
 def converged(bench: Bench, fit: Fit) -> Fit:
     """A fit brought to its end on all data, if that is near the floor: nothing else can explain the gap."""
     found = minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, SHORT, END)
-    if near_floor(found):
+    if is_near_noise_floor(found):
         found = minimise(found.problem, found.u, LONG, END)
     return with_drift_curve(found)
 
@@ -160,7 +160,7 @@ def short_fit_from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], 
 
 def evaluated_on_all(bench: Bench, fit: Fit) -> Fit:
     """A short fit as it is, on all data."""
-    return evaluated(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
+    return fit_at(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
 
 
 def misfit(problem: Problem, u: Real) -> float:
@@ -182,7 +182,7 @@ def short_fit(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real, fl
     near = min(floor, misfit(problem, u))
     fit = minimise(replace(problem, floor=near, held=_beam_coordinates(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
-    return evaluated(replace(problem, floor=floor, held=_beam_coordinates(fit.u)), fit.u, fit.normal)
+    return fit_at(replace(problem, floor=floor, held=_beam_coordinates(fit.u)), fit.u, fit.normal)
 
 
 def _beam_coordinates(u: Real) -> tuple[float, float, float]:

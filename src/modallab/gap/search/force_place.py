@@ -124,7 +124,7 @@ def _residual_share(overtone: Harmonic, twin: Twin, modes: TwinModes, data: Redu
 def _acceleration(s: complex, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Complex:
     """(places, channels) acceleration as recorded for a unit of each force."""
     x_m = sensor_positions(twin.chain, modes, data.channels, data.x_m)
-    psi, own = modes.at(x_m), rows @ modes.columns
+    psi, own = modes.shapes_at(x_m), rows @ modes.columns
     moved = (own / (s - modes.poles)) @ psi.T + (own.conj() / (s - modes.poles.conj())) @ psi.conj().T
     moved = moved + rows @ modes.out_of_band @ shape_rows(x_m, modes.length_m).T
     return s**2 * chain_transfer(twin.chain, data.channels, np.array([s]))[:, 0] * moved

@@ -14,14 +14,14 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.digits import relative_change
-from modallab.core.effect import rows_of, x_m_of
+from modallab.core.effect import channels_of_place, x_m_of
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.noise import noise_of_rig_file
 from modallab.gap.conditioning.records import records_in_volts, usable_records
-from modallab.gap.design.prediction import Records, predict_records, with_records
+from modallab.gap.design.prediction import Records, predict_records, replace_responses
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.measure import BARE, share_of_gap_closed
 from modallab.gap.simulations.simulated_records import simulation_residual
@@ -123,7 +123,7 @@ def compare_simulation(
 
 def simulation_as_measured(campaign: Campaign, records: Records) -> Campaign:
     """What a simulation predicts, as if it had been measured: with the noise of the rig's converter."""
-    volts = records_in_volts(with_records(campaign, records))
+    volts = records_in_volts(replace_responses(campaign, records))
     rng = np.random.default_rng(SEED)
     noise = noise_of_rig_file(campaign.rig, campaign.blocks)
     force = campaign.rig.force_channel.index
@@ -175,7 +175,7 @@ def differing_effects(
 
 
 def _is_same_effect(one: FoundEffect, other: FoundEffect) -> bool:
-    return one.effect == other.effect and rows_of(one.place) == rows_of(other.place)
+    return one.effect == other.effect and channels_of_place(one.place) == channels_of_place(other.place)
 
 
 def _agree_within_intervals(one: FoundEffect, other: FoundEffect) -> bool:

@@ -20,10 +20,10 @@ from modallab.gap.conditioning.reduce import (
     force_amplitude,
     frequency_on_line,
     hit_with_filter_ringing,
-    onset_of_sines,
     reduce_blocks,
+    start_up_of_sines,
 )
-from modallab.gap.design.prediction import Records, clock_of, with_records
+from modallab.gap.design.prediction import Records, clock_of, replace_responses
 from modallab.gap.model.fit import all_rows
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import weights_of
@@ -99,7 +99,7 @@ def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Rea
     """The sine from where it began to rise to the end of the block."""
     dt = 1 / block.rate_hz
     f0 = frequency_on_line(block.frequency_hz or 0.0, block.n_samples, dt) * ratio
-    rise = onset_of_sines([block])
+    rise = start_up_of_sines([block])
     before = round(float(rise.history_s[0]) / dt) * times
     t = (np.arange(before + block.n_samples * times) - before) * dt / times
     along = np.clip((t + rise.history_s[0]) / max(float(rise.ramp_s[0]), 1e-9), 0.0, 1.0)
@@ -128,6 +128,6 @@ def simulation_residual(campaign: Campaign, records: Records, names: Collection[
         )
     weights = weights_of(prepared)
     measured = reduce_blocks(prepared.campaign, blocks, weights)
-    simulated = with_records(replace(prepared.campaign, blocks=tuple(blocks)), records)
+    simulated = replace_responses(replace(prepared.campaign, blocks=tuple(blocks)), records)
     same = reduce_blocks(replace(simulated, blocks=prepared.campaign.blocks), simulated.blocks, weights)
     return squares_of([rows.y for rows in all_rows(same)], measured)

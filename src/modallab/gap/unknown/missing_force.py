@@ -15,7 +15,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.model.forward import forward, hit_ratios, with_clock_error
+from modallab.gap.model.forward import forward, frequency_ratios_of_hits, with_clock_error
 from modallab.gap.model.minimise import jacobian
 from modallab.twin.bench import Twin, chain_transfer
 from modallab.twin.modes import TwinModes, solve_modes
@@ -148,7 +148,7 @@ class MissingForce:
     def _compliance(self, x_m: Real, place: float, s: Complex) -> Complex:
         """(points, lines) displacement per N at a place."""
         modes = self._modes
-        residue = modes.at(x_m) * modes.at(place)[0]
+        residue = modes.shapes_at(x_m) * modes.shapes_at(place)[0]
         total = residue @ (1 / (s - modes.poles[:, None])) + residue.conj() @ (1 / (s - modes.poles.conj()[:, None]))
         return total + self._twin.residual_compliance * modes.remainder(x_m, place)[:, None]
 
@@ -177,9 +177,9 @@ def _ringing_at_end(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) 
     block_s = source.n * source.dt
     rings = np.exp(modes.poles.real * block_s) > 1e-7
     poles = modes.poles[rings]
-    psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))[:, rings]
+    psi = modes.shapes_at(sensor_positions(twin.chain, modes, data.channels, data.x_m))[:, rings]
     columns: list[Complex] = []
-    ratios = hit_ratios(twin, d, data)
+    ratios = frequency_ratios_of_hits(twin, d, data)
     amplitude = psi * poles**2 * chain_transfer(twin.chain, data.channels, poles)
     conjugate = psi.conj() * poles.conj() ** 2 * chain_transfer(twin.chain, data.channels, poles.conj())
     _, tail = source.kernel(poles, ratios)

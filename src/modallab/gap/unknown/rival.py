@@ -13,7 +13,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.evidence import evidence, evidence_without_name
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, search_origin, within_tolerances
 from modallab.gap.unknown.description import Description, cost_per_number, description_of, rows_of
@@ -115,7 +115,7 @@ def _on_beam(bench: Bench, begin: Fit, best: Fit, unseen: Reduced) -> tuple[Desc
 def _cost_of_short_fit(bench: Bench, begin: Fit, best: Fit) -> float:
     """What the best effect leaves where as much is forgiven as at a look at an element."""
     held = (float(best.u[0]), float(best.u[1]), float(best.u[2]))
-    return evaluated(
+    return fit_at(
         Problem(bench.thin, bench.free, best.problem.candidates, forgiven_error(begin), held=held), best.u
     ).cost
 

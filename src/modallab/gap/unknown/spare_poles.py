@@ -41,7 +41,7 @@ def _absorbers(bench: Bench) -> Iterator[Trial]:
     for x in PLACES:
         held = candidate.with_fixed_place(x)
         begin = starts((held,), bench.free, bench.poles, 1)[0]
-        law = held.at(begin.u[bench.free.size :]).parameters
+        law = held.effect_at(begin.u[bench.free.size :]).parameters
         found.append((begin.cost, (law["hung_m"], law["hung_hz"], x)))
     yield Trial(candidate, tuple(values for _, values in sorted(found)[:HUNG]))
 

@@ -11,7 +11,7 @@ from modallab.core.effect import (
     EveryOutput,
     NamedChannel,
     NearPoint,
-    rows_of,
+    channels_of_place,
     x_m_of,
 )
 from modallab.core.effects import Parameter, kind_of
@@ -71,7 +71,7 @@ def place_in_words(found: FoundEffect, channels: Sequence[str] = ()) -> str:
 
 def place_of(found: FoundEffect, channels: Sequence[str] = ()) -> tuple[str, str]:
     """Where an effect acts, and its 95 % interval: "0.622 m from the clamp", "0.621 to 0.623 m"; "" for all of it."""
-    x_m, rows = x_m_of(found.place), rows_of(found.place)
+    x_m, rows = x_m_of(found.place), channels_of_place(found.place)
     if "x" in found.not_known:
         return "somewhere along the beam", f"not known: {found.not_known['x']}"
     if x_m is not None:
@@ -112,7 +112,7 @@ def change_with_place(change: FoundChange) -> str:
     return f"{effect_phrase(change)} {place_of_change(change)}"
 
 
-def with_numbers(change: FoundChange) -> str:
+def effect_with_numbers(change: FoundChange) -> str:
     """The same with its numbers, their intervals and its probability."""
     numbers = (f"{name} {value} ({interval})" for name, value, interval in numbers_of(change))
     return f"{change_with_place(change)}: {', '.join(numbers)}, probability {probability_text(change.probability)}"

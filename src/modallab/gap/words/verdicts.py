@@ -7,7 +7,7 @@ from modallab.core.digits import list_in_words, percent_text, probability_text, 
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.simulations.compare import SimulationComparison
-from modallab.gap.words.effects import effect_in_words, parameter_in_words, with_numbers
+from modallab.gap.words.effects import effect_in_words, effect_with_numbers, parameter_in_words
 
 KNOWN = 2.0
 """Factor from before to after that is no matter of tolerances."""
@@ -103,7 +103,7 @@ def sentence_by_model(found: ModalDiagnosis) -> str:
             f"A gap that no effect of the catalogue explains{_probability_in_words(found.unknown)}: {differs} "
             f"{ORDINARY}."
         )
-    parts = " and ".join(with_numbers(change) for change in found.effects)
+    parts = " and ".join(effect_with_numbers(change) for change in found.effects)
     left = f"{percent_text(found.after)}, by {found.strain_after:.2g}"
     return f"{parts[0].upper()}{parts[1:]}. Without it {differs} {ORDINARY}; with it {left}."
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
-from modallab.modification.deflection import turn_to_real
+from modallab.modification.deflection import rotate_to_real
 from modallab.modification.mesh import Wireframe
 from modallab.reporting.figures import style
 from modallab.reporting.figures.wireframe import drawing_projection, is_spatial
@@ -34,7 +34,7 @@ class Drawing:
             motion: (points, 3) complex, along x, y, z.
             title: over it.
         """
-        real = turn_to_real(motion.ravel()).reshape(motion.shape)
+        real = rotate_to_real(motion.ravel()).reshape(motion.shape)
         self.rest, self.moved, self.pairs = project_shape(rig, real, float(np.abs(motion).max()) or 1.0)
         with style.figure_style():
             self.figure, (axes,) = style.panel_grid(1, 1, style.PanelSize(560, 280))

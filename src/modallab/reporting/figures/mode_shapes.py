@@ -18,7 +18,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.identification.selection.criteria import nearest_partners
-from modallab.modification.deflection import motion_at_points, shapes_at_freedoms, turn_to_real
+from modallab.modification.deflection import motion_at_points, rotate_to_real, shapes_at_freedoms
 from modallab.reporting.figures import style
 from modallab.reporting.figures.deflection import project_shape
 from modallab.updating.correlation import ModelCorrelation
@@ -58,7 +58,7 @@ def beam_shape(model: ModalModel, mode: int, rig: Rig) -> BeamShape | None:
     known = order[np.isfinite(x[order]) & np.isfinite(phi[order])]
     if known.size < 2:
         return None
-    real = turn_to_real(phi[known])
+    real = rotate_to_real(phi[known])
     return BeamShape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
 
 

@@ -11,7 +11,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.digits import significant_digits, with_nonbreaking_spaces
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import motion_at_points, shapes_at_freedoms, turn_to_real
+from modallab.modification.deflection import motion_at_points, rotate_to_real, shapes_at_freedoms
 from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
@@ -98,7 +98,7 @@ def _wireframe_picture(
     scale = min((_WIDTH - 2 * _EDGE) / span[0], (_HEIGHT - 2 * _EDGE) / span[1])
     middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
     rest = (flat - middle) * scale + np.array([_WIDTH, _HEIGHT]) / 2
-    motion = turn_to_real(shape.motion.ravel()).reshape(shape.motion.shape)
+    motion = rotate_to_real(shape.motion.ravel()).reshape(shape.motion.shape)
     reach = float(np.abs(motion).max()) or 1.0
     most = min(_REACH * size * scale, _EDGE - 6)
     moved = motion @ drawing_projection() * (most / reach)

@@ -9,7 +9,15 @@ from fastapi.openapi.models import Example
 from modallab.core.documents.pages import Page
 from modallab.core.documents.runs import BlockForce, BlockVerdict, BlockView
 from modallab.service.api.problems import documented_responses
-from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page_of_items
+from modallab.service.api.request_context import (
+    Cursor,
+    LeaseId,
+    Limit,
+    Operator,
+    ServiceOf,
+    page_cursor_number,
+    page_of_items,
+)
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.runs import (
     block_record,
@@ -32,7 +40,7 @@ SAMPLE_HEADERS = DTYPE, SHAPE, CRC32 = "Modallab-Dtype", "Modallab-Shape", "Moda
 @router.get("/runs/{run}/blocks", responses=documented_responses(404))
 def list_blocks(run: str, service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[BlockView]:
     """The blocks of a run in the order of time, including rejected ones."""
-    after = number_of(cursor)
+    after = page_cursor_number(cursor)
     rows = [row for row in block_records(service, run) if after is None or row.n > after]
     return page_of_items([block_view(row) for row in rows[: limit + 1]], limit, lambda block: block.n)
 

@@ -21,12 +21,12 @@ from modallab.service.api.request_context import (
     Operator,
     ServiceOf,
     is_unchanged,
+    page_cursor,
     page_of_items,
-    place_of,
     revision_of,
     set_etag,
 )
-from modallab.service.api.rigs import state_of
+from modallab.service.api.rigs import process_state
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.campaigns.export import ExportedFile, export_campaign
 
@@ -61,7 +61,7 @@ def list_campaigns(
     Those that are archived or deleted are listed only where they are asked for.
     """
     found = service.repository.campaigns(
-        place_of(cursor), limit + 1, rig=rig, text=text, archived=archived, deleted=deleted
+        page_cursor(cursor), limit + 1, rig=rig, text=text, archived=archived, deleted=deleted
     )
     return page_of_items(found, limit, lambda campaign: campaign.id)
 
@@ -72,7 +72,7 @@ def create_campaign(
 ) -> CampaignView:
     """Make a campaign on a rig."""
     require_rig(caller, new.rig)
-    state_of(service, new.rig)
+    process_state(service, new.rig)
     campaign = service.repository.create(new, operator)
     response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"
     set_etag(response, campaign.revision)

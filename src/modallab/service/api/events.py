@@ -16,7 +16,7 @@ from fastapi.responses import StreamingResponse
 
 from modallab.core.documents.pages import AuditEntry, EventView, Page
 from modallab.core.errors import DataError, ModallabError
-from modallab.service.api.request_context import Cursor, Limit, ServiceOf, number_of, page_of_items
+from modallab.service.api.request_context import Cursor, Limit, ServiceOf, page_cursor_number, page_of_items
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog, EventTopic
@@ -82,7 +82,7 @@ class EventFeed:
         self._loop = asyncio.get_running_loop()
         # Before anyone can listen: what comes between their first look and the thread's is handed out too.
         with suppress(ModallabError):
-            self._last = self._log.last()
+            self._last = self._log.newest_number()
         self._thread.start()
 
     def close(self) -> None:
@@ -100,12 +100,12 @@ class EventFeed:
         listener = EventListener()
         self._listeners.add(listener)
         try:
-            newest = await asyncio.to_thread(self._log.last)
+            newest = await asyncio.to_thread(self._log.newest_number)
             # A number that is not there yet is of another database: nobody can wait for it.
             last = newest if after is None else min(after, newest)
             yield b": listening\n\n"
             if after is not None:
-                while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
+                while before := await asyncio.to_thread(self._log.events_after, last, AT_ONCE, topic):
                     yield b"".join(_event_text(event) for event in before)
                     last = before[-1].seq
                     if to_end and any(_ends_stream(event) for event in before):
@@ -140,8 +140,8 @@ class EventFeed:
             self._new.wait(LOOK_S)
             self._new.clear()
             try:
-                last = self._log.last() if last is None else last
-                events = self._log.after(last, AT_ONCE)
+                last = self._log.newest_number() if last is None else last
+                events = self._log.events_after(last, AT_ONCE)
             except ModallabError as error:
                 if not lost:
                     LOG.warning("events cannot be read: %s", error)
@@ -247,12 +247,12 @@ def list_events(
     service: ServiceOf, limit: Limit = 100, cursor: Cursor = None, rig: Name = "", campaign: Name = "", run: Name = ""
 ) -> Page[EventView]:
     """Events page by page, the oldest first."""
-    found = service.log.after(number_of(cursor) or 0, limit + 1, EventTopic(rig, campaign, run))
+    found = service.log.events_after(page_cursor_number(cursor) or 0, limit + 1, EventTopic(rig, campaign, run))
     return page_of_items(found, limit, lambda event: event.seq)
 
 
 @router.get("/audit")
 def list_audit(service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[AuditEntry]:
     """The audit record: user, action and object, the newest first."""
-    found = audit.audit_entries(service.engine, number_of(cursor), limit + 1)
+    found = audit.audit_entries(service.engine, page_cursor_number(cursor), limit + 1)
     return page_of_items(found, limit, lambda entry: entry.seq)

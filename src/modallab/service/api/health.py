@@ -34,7 +34,7 @@ def metric_families(service: Service) -> dict[str, Family]:
     return {
         "modallab_runs": {_label_text("state", state): count for state, count in runs},
         "modallab_blocks": {_label_text("accepted", int(accepted)): count for accepted, count in blocks},
-        "modallab_events": {"": service.log.last()},
+        "modallab_events": {"": service.log.newest_number()},
         "modallab_free_bytes": {"": shutil.disk_usage(service.folder).free},
         "modallab_rig_usable": {
             _label_text("rig", state.id): state.state in USABLE for state in service.control.states()

@@ -23,7 +23,7 @@ from modallab.formats.format import Format, readers
 from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, set_etag
-from modallab.service.api.rigs import state_of
+from modallab.service.api.rigs import process_state
 from modallab.service.api.router import ONCE, PREFIX, answer_once, make_router
 from modallab.service.context import Service
 from modallab.service.records.event_log import EventTopic
@@ -91,7 +91,7 @@ async def import_file(
     The body is the file, as it is. What a run of this service has recorded and exported as HDF5 comes back to the bit.
     """
     require_rig(caller, rig)
-    controller = await run_in_threadpool(state_of, service, rig)
+    controller = await run_in_threadpool(process_state, service, rig)
     reader = _find_reader(format_)
     said["array_map"] = _map(said.get("array_map") or "", reader)
     folder = Path(await run_in_threadpool(tempfile.mkdtemp, prefix="modallab-import-", dir=service.folder))

@@ -115,7 +115,7 @@ Limit = Annotated[int, Query(ge=1, le=500, description="Largest number of items.
 Cursor = Annotated[str | None, Query(max_length=200, description="`next` of the previous page.")]
 
 
-def place_of(cursor: str | None) -> str | None:
+def page_cursor(cursor: str | None) -> str | None:
     """Where a page begins.
 
     Raises:
@@ -132,9 +132,9 @@ def place_of(cursor: str | None) -> str | None:
     return place
 
 
-def number_of(cursor: str | None) -> int | None:
+def page_cursor_number(cursor: str | None) -> int | None:
     """As `place_of`, for lists in the order of a number."""
-    place = place_of(cursor)
+    place = page_cursor(cursor)
     if place is None:
         return None
     if not (place.isascii() and place.isdigit() and len(place) <= 18):

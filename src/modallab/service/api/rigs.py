@@ -56,13 +56,13 @@ def list_rigs(service: ServiceOf) -> Page[RigView]:
 @router.get("/rigs/{rig}", responses=documented_responses(404))
 def get_rig(rig: str, service: ServiceOf) -> RigView:
     """State of a rig."""
-    return rig_view(service, state_of(service, rig))
+    return rig_view(service, process_state(service, rig))
 
 
 @router.get("/rigs/{rig}/description", responses=documented_responses(404))
 def get_description(rig: str, service: ServiceOf) -> Rig:
     """The description of the bench, as in the rig file."""
-    return state_of(service, rig).rig
+    return process_state(service, rig).rig
 
 
 @router.post(
@@ -74,18 +74,18 @@ def get_description(rig: str, service: ServiceOf) -> Rig:
 def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = None) -> RigView:
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
     reason = "" if stop is None else stop.reason
-    service.control.emergency_stop(state_of(service, rig).id, reason or "requested by the operator", operator)
-    return rig_view(service, state_of(service, rig))
+    service.control.emergency_stop(process_state(service, rig).id, reason or "requested by the operator", operator)
+    return rig_view(service, process_state(service, rig))
 
 
 @router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented_responses(404, 409))
 def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: Reason = None) -> RigView:
     """Allow a tripped rig to be driven again, after a check of the bench."""
-    service.control.reset(state_of(service, rig).id, "" if why is None else why.reason, lease)
-    return rig_view(service, state_of(service, rig))
+    service.control.reset(process_state(service, rig).id, "" if why is None else why.reason, lease)
+    return rig_view(service, process_state(service, rig))
 
 
-def state_of(service: Service, rig: str) -> ControllerState:
+def process_state(service: Service, rig: str) -> ControllerState:
     """How a rig's process stands.
 
     Raises:
@@ -123,7 +123,7 @@ lease_router = make_router("lease")
 def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, operator: Operator) -> Lease:
     """Take the lease of a rig, if it is free. `take_over` takes it from its holder, if no run is active or you are
     the holder; `recover` returns your own lease."""
-    state = state_of(service, rig)
+    state = process_state(service, rig)
     name = caller.name or new.operator or operator
     known = name != UNKNOWN
     if new.recover and known:
@@ -142,20 +142,20 @@ def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, op
 @lease_router.put("/rigs/{rig}/lease", responses=documented_responses(404, 507))
 def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
     """Restart the time of the lease."""
-    return service.leases.renew(state_of(service, rig).id, lease or "")
+    return service.leases.renew(process_state(service, rig).id, lease or "")
 
 
 @lease_router.delete("/rigs/{rig}/lease", status_code=204, responses=documented_responses(404, 507))
 def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Response:
     """Release the lease."""
-    service.leases.release(state_of(service, rig).id, lease or "")
+    service.leases.release(process_state(service, rig).id, lease or "")
     return Response(status_code=204)
 
 
 @lease_router.get("/rigs/{rig}/lease", responses=documented_responses(404))
 def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
     """The holder of the rig's lease."""
-    holder = service.leases.holder(state_of(service, rig).id)
+    holder = service.leases.holder(process_state(service, rig).id)
     if holder is None:
         raise NotFoundError("nobody holds it", where=rig, remedy="take the lease")
     return holder
@@ -164,7 +164,7 @@ def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
 @router.post("/rigs/{rig}/plan-checks", responses=documented_responses(404), openapi_extra=role_needed("observer"))
 def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> PlanCheck:
     """Check whether the rig can run a plan; nothing moves, and no lease is needed."""
-    controller = state_of(service, rig)
+    controller = process_state(service, rig)
     try:
         require_sensible_numbers(plan, controller.rig)
         _require_possible(plan, controller)
@@ -182,20 +182,20 @@ def _require_possible(plan: Plan, controller: ControllerState) -> None:
 @router.get("/rigs/{rig}/revisions", responses=documented_responses(404))
 def list_rig_revisions(rig: str, service: ServiceOf) -> Page[RigRevision]:
     """All descriptions of a rig, the oldest first."""
-    return Page(items=RigRevisions(service.engine).all(state_of(service, rig).id))
+    return Page(items=RigRevisions(service.engine).all_revisions(process_state(service, rig).id))
 
 
 @router.get("/rigs/{rig}/revisions/{number}", responses=documented_responses(404))
 def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
     """One description of a rig."""
-    return RigRevisions(service.engine).description(state_of(service, rig).id, number)
+    return RigRevisions(service.engine).description(process_state(service, rig).id, number)
 
 
 @router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
 def revise_rig(rig: str, new: RigRevisionRequest, service: ServiceOf, lease: LeaseId = None) -> RigView:
     """Replace the description of the bench, which is reopened; needs the rig's lease."""
-    service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
-    return rig_view(service, state_of(service, rig))
+    service.control.revise(process_state(service, rig).id, new.description, new.reason, lease)
+    return rig_view(service, process_state(service, rig))
 
 
 @router.post("/campaigns/{campaign}/gap/apply", dependencies=ONCE, responses=documented_responses(404, 409, 422, 507))
@@ -205,14 +205,14 @@ def apply_diagnosis(campaign: str, service: ServiceOf, lease: LeaseId = None) ->
     from modallab.gap.revisions import with_diagnosis
 
     known = service.repository.campaign(campaign)
-    state = state_of(service, known.rig)
+    state = process_state(service, known.rig)
     found = diagnosis_of_campaign(service, campaign)
     _require_same(service, state, found.runs)
     revised = with_diagnosis(state.rig, found.diagnosis, datetime.now(UTC).date(), known.name)
     effects = " and ".join(one.effect.replace("_", " ") for one in found.diagnosis.effects)
     reason = f"{effects}, as diagnosed in {known.name}"
     service.control.revise(state.id, revised, reason[:REASON], lease)
-    return rig_view(service, state_of(service, state.id))
+    return rig_view(service, process_state(service, state.id))
 
 
 def _require_same(service: Service, state: ControllerState, runs: tuple[str, ...]) -> None:

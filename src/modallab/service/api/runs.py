@@ -19,8 +19,8 @@ from modallab.service.api.request_context import (
     Limit,
     ServiceOf,
     is_unchanged,
+    page_cursor,
     page_of_items,
-    place_of,
     set_etag,
 )
 from modallab.service.api.router import ONCE, PREFIX, Key, make_router
@@ -60,7 +60,7 @@ def list_runs(
     deleted: Deleted = False,
 ) -> Page[RunView]:
     """The runs of a campaign, the oldest first; archived or deleted ones only on request."""
-    after = place_of(cursor)
+    after = page_cursor(cursor)
     # The one a page ended with may have been set aside since.
     names = service.repository.runs(campaign, archived=True, deleted=True)
     if after is not None:

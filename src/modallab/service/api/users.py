@@ -28,7 +28,7 @@ TokenRequestBody = Annotated[
 @router.get("/users", openapi_extra=ADMIN)
 def list_users(service: ServiceOf) -> Page[UserView]:
     """All users by name, including revoked ones."""
-    return Page(items=tuple(_users(service).all()))
+    return Page(items=tuple(_users(service).all_users()))
 
 
 @router.post(

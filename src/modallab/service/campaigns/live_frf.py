@@ -15,7 +15,7 @@ from modallab.frf.broadband import PERIODIC, broadband_frf, driven_band
 from modallab.frf.estimate import convert_frf
 from modallab.frf.joined import contiguous_blocks
 from modallab.frf.running import RunningFrf
-from modallab.frf.stepped import SineLine, frf_of_lines, line_of
+from modallab.frf.stepped import SineLine, frf_of_lines, sine_line_of_block
 from modallab.service.campaigns.live_samples import binary_message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
@@ -247,7 +247,7 @@ class _SineLines:
         return len(self._of_last_level()) < LEAST_LINES
 
     def add(self, block: Block) -> None:
-        self._lines[block.order] = block.level, line_of(to_signals(block, self._rig), self._rig)
+        self._lines[block.order] = block.level, sine_line_of_block(to_signals(block, self._rig), self._rig)
 
     def forget(self, numbers: set[int], _points: set[int | None]) -> None:
         for n in numbers:

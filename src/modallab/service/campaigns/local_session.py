@@ -16,7 +16,7 @@ from modallab.core.documents.runs import CampaignRequest, Command, RunRequest
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
-from modallab.core.setups import SensorMove, require_setups, rig_of, sensor_moves, split_setups
+from modallab.core.setups import SensorMove, require_setups, rig_in_set_up, sensor_moves, split_setups
 from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.run_start import begin_run
 from modallab.service.context import open_service
@@ -162,11 +162,11 @@ class LocalCampaign:
         """
         self._wait_until_open()
         self._service.leases.renew(self._rig, self._lease.id)
-        seen = self._service.log.last()
+        seen = self._service.log.newest_number()
         run = begin_run(self._service, self.campaign.id, RunRequest(plan=plan), self._lease.id)
         ended, remedy = False, ""
         while True:
-            events = self._service.log.after(seen, 1000)
+            events = self._service.log.events_after(seen, 1000)
             for event in (event for event in events if event.run == run):
                 remedy = event.content["remedy"] if event.kind == "failed" else remedy
                 notify(event)
@@ -212,7 +212,7 @@ class LocalCampaign:
                     where="impact plan",
                     remedy="use record_setups, or modallab campaign run",
                 )
-            parts += [(part, rig_of(self._as_filed, part.setups[0])) for part in split_setups(plan)]
+            parts += [(part, rig_in_set_up(self._as_filed, part.setups[0])) for part in split_setups(plan)]
         return parts
 
     def _stands(self, plan: Plan, rig: Rig, moved: Moved | None) -> bool:

@@ -91,7 +91,7 @@ class IdentificationAfterRun:
         one is done, whoever wants another orders it.
         """
         try:
-            for job in self._jobs.outdated(run, self._store.revision):
+            for job in self._jobs.jobs_outdated_by(run, self._store.revision):
                 self._replace(job)
             if self.can_be_identified(run) and not self._identified(run):
                 self.identify(run)

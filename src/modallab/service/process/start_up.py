@@ -111,7 +111,7 @@ def configure_database(settings: Settings) -> None:
         )
 
 
-def tls_of(settings: Settings) -> "TlsFiles | None":
+def scheduler_certificates(settings: Settings) -> "TlsFiles | None":
     """The certificates for the scheduler; None if the settings name none, and Dask's own configuration counts.
 
     Raises:
@@ -145,7 +145,7 @@ def require_scheduler(settings: Settings) -> None:
         return
     from modallab.jobs.cluster import TlsFiles, check_address
 
-    tls = tls_of(settings) or TlsFiles.configured()
+    tls = scheduler_certificates(settings) or TlsFiles.configured()
     check_address(settings.scheduler, tls)
     if tls is not None:
         tls.security()

@@ -261,5 +261,5 @@ def _locked_store(folder: Path) -> tuple[Store, FileLock]:
 def _benches(rigs: Sequence[tuple[Rig, str]], run_log: RunLog, folder: Path) -> list[ServedRig]:
     ids = rig_ids([rig.name for rig, _ in rigs])
     return [
-        ServedRig(i, run_log.revisions.settle(i, rig), url, folder) for i, (rig, url) in zip(ids, rigs, strict=True)
+        ServedRig(i, run_log.revisions.begin_with(i, rig), url, folder) for i, (rig, url) in zip(ids, rigs, strict=True)
     ]

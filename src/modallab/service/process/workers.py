@@ -130,13 +130,15 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
     from modallab.jobs import Jobs
     from modallab.jobs.runner import JobRunner
     from modallab.pipelines.job_kinds import campaigns_of, kinds
-    from modallab.service.process.start_up import tls_of
+    from modallab.service.process.start_up import scheduler_certificates
     from modallab.storage import Store
 
     with Store(settings.data) as store:
         jobs = Jobs(store.catalogue.engine)
         known = kinds(campaigns_of(store), store.folder, store.revision, campaigns_of(store, ended=False))
-        runner = JobRunner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
+        runner = JobRunner(
+            jobs, known, settings.scheduler, tls=scheduler_certificates(settings), workers=settings.workers
+        )
         # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
         reported = ComputingProcesses(runner.owner, {})
         with suppress(EOFError, OSError):

@@ -70,7 +70,7 @@ class EventLog:
         """Events the disk has not taken yet."""
         return len(self._waiting)
 
-    def after(self, seq: int, limit: int, topic: EventTopic | None = None) -> list[EventView]:
+    def events_after(self, seq: int, limit: int, topic: EventTopic | None = None) -> list[EventView]:
         """Up to `limit` events after number `seq`, oldest first; with a topic only its own."""
         query = select(EVENTS).where(EVENTS.c.seq > seq).order_by(EVENTS.c.seq).limit(limit)
         for name in ("rig", "campaign", "run"):
@@ -80,7 +80,7 @@ class EventLog:
         with read_transaction(self._engine) as connection:
             return [_event_view(row) for row in connection.execute(query).mappings()]
 
-    def last(self) -> int:
+    def newest_number(self) -> int:
         """Number of the newest event, 0 if there is none."""
         with read_transaction(self._engine) as connection:
             return connection.scalar(select(func.max(EVENTS.c.seq))) or 0

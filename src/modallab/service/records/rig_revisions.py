@@ -20,7 +20,7 @@ class RigRevisions:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def settle(self, rig: str, file: Rig) -> Rig:
+    def begin_with(self, rig: str, file: Rig) -> Rig:
         """The description that counts when the service starts: a rig file that was changed begins a revision of its
         own; otherwise what was revised since stands.
 
@@ -42,7 +42,7 @@ class RigRevisions:
         """
         self._add(rig, description, reason, operator, from_file=False)
 
-    def all(self, rig: str) -> tuple[RigRevision, ...]:
+    def all_revisions(self, rig: str) -> tuple[RigRevision, ...]:
         """All of a rig, the oldest first."""
         return tuple(_revision_view(n, row) for n, row in enumerate(self._rows(rig), 1))
 

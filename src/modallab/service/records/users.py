@@ -49,7 +49,7 @@ class UserTable:
             audit.add_audit_note(connection, by, "add-user", new.name, {"role": new.role})
         return user
 
-    def all(self) -> list[UserView]:
+    def all_users(self) -> list[UserView]:
         """All users by name, including revoked ones."""
         with read_transaction(self._engine) as connection:
             rows = connection.execute(select(USERS).order_by(USERS.c.name)).mappings()

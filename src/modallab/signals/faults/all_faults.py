@@ -14,7 +14,7 @@ from modallab.signals.faults.repeats import (
     equal_runs,
     repeated_in_all_channels,
     repeated_values,
-    steps_of,
+    smallest_steps,
 )
 from modallab.signals.faults.whole_channels import constant_channels, is_dead_channel, is_zero_drift, overload_counts
 from modallab.signals.hit import find_hit
@@ -142,7 +142,7 @@ def find_faults(block: Block, rig: Rig) -> tuple[SampleFault, ...]:
     found = list(constant_channels(rows, block.channels, [c.name for c in rig.forces[: len(block.driven_points)]]))
     if block.n_samples < LEAST_SAMPLES:
         return tuple(found)
-    steps = np.stack([steps_of(row) for row in rows])
+    steps = np.stack([smallest_steps(row) for row in rows])
     quantities = {channel.name: channel.quantity for channel in rig.channels}
     for row, name, step in zip(rows, block.channels, steps, strict=True):
         noise = _noise_of_hit(row) if block.test == "impact" and quantities.get(name) == "force" else None

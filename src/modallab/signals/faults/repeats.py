@@ -52,7 +52,7 @@ def equal_runs(row: Real) -> SampleRuns:
     return SampleRuns(pairs.first, pairs.stop + 1)
 
 
-def steps_of(row: Real) -> Real:
+def smallest_steps(row: Real) -> Real:
     """(n,) the smallest change that each sample of a row can make: the converter's step, or its own last digit.
 
     Numbers of a text have a step of their size: with four digits 12.34 changes by 0.01, and 123.4 by 0.1.

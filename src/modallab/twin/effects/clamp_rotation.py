@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, number_in_deviations
 from modallab.twin.structure import ROOT, root_of_rig_file
 
 SOFT = 0.01
@@ -31,7 +31,7 @@ def _own_deviations(effect: Effect, rig: Rig) -> float:
     turned = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m / effect.parameters["k_rot"]
     # Where the rig file states a spring, what it states is "about" so much.
     stated = root_of_rig_file(rig.beam)
-    return in_tolerances(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
+    return number_in_deviations(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
 
 
 MODEL = EffectModel(

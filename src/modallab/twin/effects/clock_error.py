@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, values_of_both_signs
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, number_in_deviations
 
 QUARTZ = 5e-5
 """Deviation of one ordinary clock from another: two quartzes are up to 100 millionths apart."""
@@ -17,7 +17,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return in_tolerances(effect.parameters["relative"], QUARTZ if rig.tolerance.of_assembly else 0.0)
+    return number_in_deviations(effect.parameters["relative"], QUARTZ if rig.tolerance.of_assembly else 0.0)
 
 
 MODEL = EffectModel(

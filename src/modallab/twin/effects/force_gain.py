@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import FORCE_SHARE, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, number_in_deviations
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,7 +14,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return in_tolerances(effect.parameters["gain"] - 1, FORCE_SHARE * rig.tolerance.sensitivity)
+    return number_in_deviations(effect.parameters["gain"] - 1, FORCE_SHARE * rig.tolerance.sensitivity)
 
 
 MODEL = EffectModel(

@@ -7,7 +7,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, number_in_deviations
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -17,12 +17,14 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return in_tolerances(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
+    return number_in_deviations(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
 
 
 def _from_polarity(effect: Effect, other: str, rig: Rig) -> float:
     """A turned channel reads as its sensitivity's tolerance lets it, but turned."""
-    return in_tolerances(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
+    return (
+        number_in_deviations(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
+    )
 
 
 MODEL = EffectModel(

@@ -8,7 +8,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, number_in_deviations
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -22,7 +22,7 @@ def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return in_tolerances(effect.parameters["c"], rig.tolerance.damper_n_s_per_m)
+    return number_in_deviations(effect.parameters["c"], rig.tolerance.damper_n_s_per_m)
 
 
 MODEL = EffectModel(

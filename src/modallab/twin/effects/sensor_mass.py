@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically
-from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, number_in_deviations
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -20,7 +20,7 @@ def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return in_tolerances(effect.parameters["mass_each"], rig.tolerance.sensor_mass_kg)
+    return number_in_deviations(effect.parameters["mass_each"], rig.tolerance.sensor_mass_kg)
 
 
 MODEL = EffectModel(

@@ -180,7 +180,7 @@ def prepared_steps(modes: TwinModes, own: ModalCoupling, dt: float, x_m: float) 
     return steps
 
 
-def added_in_hit(steps: Callable[[int], ModalSteps], pulse: Real, first: int, n: int) -> FineSteps:
+def element_response_in_hit(steps: Callable[[int], ModalSteps], pulse: Real, first: int, n: int) -> FineSteps:
     """What the element adds to a hit.
 
     Args:
@@ -199,7 +199,7 @@ def added_in_hit(steps: Callable[[int], ModalSteps], pulse: Real, first: int, n:
     return FineSteps(steps(HIT_STEPS).run(force, 0), HIT_STEPS, 0, n, begin)
 
 
-def added_in_sine(
+def element_response_in_sine(
     steps: Callable[[int], ModalSteps],
     law: NonlinearLaw,
     amplitude_n: complex,
