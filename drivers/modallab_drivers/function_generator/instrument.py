@@ -55,7 +55,7 @@ class Instrument:
         maker = answer.casefold().startswith(tuple(m.casefold() for m in language.makers))
         if not (maker and any(model in answer for model in language.models)):
             raise ConfigurationError(
-                f"excitation.dialect: found {self._dialect}, but {answer!r} answers",
+                f"excitation.dialect is {self._dialect}, but the instrument identifies itself as {answer!r}",
                 where=self.place_in_messages,
                 remedy=f"choose the instrument's own dialect: {', '.join(LANGUAGES)}",
             )

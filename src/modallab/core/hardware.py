@@ -74,9 +74,9 @@ class Synchronisation(Frozen):
     """Synchronisation of several devices.
 
     Attributes:
-        method: `auto`: the first that the devices take, in the order of what follows; `one-task`: the driver routes
-            clock and triggers by itself; `reference-clock`: all follow a reference; `timebase`: all follow the first
-            one's timebase. The last two also share the first one's sync pulse and start trigger.
+        method: `one-task`: the driver routes clock and triggers by itself; `reference-clock`: all follow a reference;
+            `timebase`: all follow the first one's timebase; `auto`: the first of these that the devices accept.
+            `timebase` and `reference-clock` also share the first one's sync pulse and start trigger.
         reference_clock: terminal of the reference, such as `PXIe_Clk100`; empty: that of the backplane.
     """
 

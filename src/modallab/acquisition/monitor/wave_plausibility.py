@@ -67,7 +67,9 @@ class WavePlausibility:
         look = self._look
         if look is None:
             return
-        self._require(look.frozen_channels(chunk.samples), "repeats one value for longer than its noise can: frozen")
+        self._require(
+            look.frozen_channels(chunk.samples), "is frozen: it repeats one value for longer than its noise would"
+        )
         look.add(chunk)
         while look.next_hop():
             self._require(look.cut_off(), "is clipped: its highest samples are equal")
