@@ -58,9 +58,9 @@ def test_one_that_is_rejected_is_no_success(inhibitor: Path) -> None:
 
 def test_it_ends_with_the_process_however_that_ends(inhibitor: Path) -> None:
     code = (
-        "import os\nfrom modallab.acquisition.process.child import keep_awake\n"
+        "import os\nfrom modallab.acquisition.process.child import prevent_sleep\n"
         "import psutil\n"
-        "with keep_awake():\n"
+        "with prevent_sleep():\n"
         "    print(psutil.Process().children()[0].pid, flush=True)\n"
         "    os.kill(os.getpid(), 9)\n"
     )

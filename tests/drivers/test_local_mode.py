@@ -28,12 +28,12 @@ SCRIPT = Path(__file__).parents[2] / "benchmarks" / "kill_shaker.py"
 CLIENT = """
 import sys
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Burst, Request
+from modallab.bench.protocol import AcquisitionRequest, Burst
 from modallab.core.rig import Rig
 
 rig = Rig.model_validate_json(open(sys.argv[2]).read())
 bench = open_bench(sys.argv[1], rig)
-bench.configure(Request("sine", 1000.0))
+bench.configure(AcquisitionRequest("sine", 1000.0))
 bench.start()
 bench.play(Burst(19.7, 1.0, 0.1, 20.0))
 while True:

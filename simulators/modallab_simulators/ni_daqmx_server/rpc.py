@@ -144,7 +144,7 @@ _MESSAGES: Any = messages
 def serve(
     system: SimulatedSystem, port: int, credentials: grpc.ServerCredentials | None = None, *, local: bool = False
 ) -> tuple[Any, int]:
-    """Begin to listen on the loopback; returns the server and its port. `local`: see `local_mode`."""
+    """Begin to listen on the loopback; returns the server and its port. `local`: see `LocalClients`."""
     clients = LocalClients(system) if local else None
     server = grpc.server(
         ThreadPoolExecutor(WORKERS),
