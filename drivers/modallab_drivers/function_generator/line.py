@@ -155,7 +155,7 @@ class InstrumentLine:
         if self._behind:
             self._catch_up()
         try:
-            self._transport.drop()
+            self._transport.discard_input()
         except OSError as error:
             raise self._gone(text, str(error)) from error
         self.send(text)

@@ -18,7 +18,7 @@ class Transport(Protocol):
         """What came up to the end of a line, and whether that end came within the time-out."""
         ...
 
-    def drop(self) -> None:
+    def discard_input(self) -> None:
         """Forget what has already come."""
         ...
 
@@ -61,7 +61,7 @@ class SerialPort:
         line: bytes = self._serial.read_until(END)
         return line, line.endswith(END)
 
-    def drop(self) -> None:
+    def discard_input(self) -> None:
         """Empty the port's buffer."""
         try:
             self._serial.reset_input_buffer()
@@ -115,7 +115,7 @@ class VisaResource:
                     raise
                 return b"", False
 
-    def drop(self) -> None:
+    def discard_input(self) -> None:
         """Nothing to do: what came too late is read away by whoever waits for its own answer."""
 
     def close(self) -> None:

@@ -130,7 +130,7 @@ def plain_feeds(shares: Complex128 | Real, poles: Complex128, rest: float, order
 def sensed_feeds(feeds: Real, sensor: SensorTransfer) -> Real:
     """The same behind a sensor: of (w0 + w1 s + w2 s^2) H(s), the part that is a polynomial."""
     sensed = sensor.direct * feeds
-    for pole, residue in sensor.pairs:
+    for pole, residue in sensor.poles_and_residues:
         sensed[0] += (residue * (feeds[1] + feeds[2] * pole)).real
         sensed[1] += (residue * feeds[2]).real
     return sensed

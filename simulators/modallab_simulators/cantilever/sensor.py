@@ -23,12 +23,12 @@ class SensorTransfer:
     def response_at(self, s: complex | np.ndarray) -> complex | np.ndarray:
         """H(s)."""
         total = self.direct + 0 * s
-        for pole, residue in self.pairs:
+        for pole, residue in self.poles_and_residues:
             total = total + residue / (s - pole)
         return total
 
     @property
-    def pairs(self) -> tuple[tuple[complex, complex], ...]:
+    def poles_and_residues(self) -> tuple[tuple[complex, complex], ...]:
         """(pole, residue), both of each pair."""
         both: list[tuple[complex, complex]] = []
         for pole, residue in zip(self.poles, self.residues, strict=True):

@@ -66,7 +66,7 @@ class Task:
         """What was set, or a default."""
         return self.attributes.get((channel, attribute), default)
 
-    def routed(self, attribute: str) -> str:
+    def full_terminal(self, attribute: str) -> str:
         """A terminal that was set, in full."""
         return terminal(str(self.get(attribute, "")), self.default_device)
 

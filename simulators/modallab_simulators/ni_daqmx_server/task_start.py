@@ -64,13 +64,13 @@ class Clocks:
             return 0.0
         module = task.all_channels()[0].module
         for attribute in ("SAMP_CLK_SRC", "SAMP_CLK_TIMEBASE_SRC"):
-            lent = _device_of(task.routed(attribute))
+            lent = _device_of(task.full_terminal(attribute))
             if lent and lent not in _devices(task):
                 return self._device_ppm(lent)
-        reference = task.routed("REF_CLK_SRC").rpartition("/")[2].upper()
+        reference = task.full_terminal("REF_CLK_SRC").rpartition("/")[2].upper()
         if reference in BACKPLANE or len({c.module.name for c in task.all_channels()}) > 1:
             return self._device_ppm(pxi_chassis(module.name) or clock_domain(module))
-        lent = _device_of(task.routed("REF_CLK_SRC"))
+        lent = _device_of(task.full_terminal("REF_CLK_SRC"))
         return self._device_ppm(lent or clock_domain(module))
 
     def phase(self, task: InputTask) -> float:
@@ -78,7 +78,7 @@ class Clocks:
         if not self.several or not any(m.delta_sigma for m in task.modules):
             return 0.0
         own = clock_domain(task.modules[0])
-        lent = _device_of(task.routed("SYNC_PULSE_SRC"))
+        lent = _device_of(task.full_terminal("SYNC_PULSE_SRC"))
         locked = bool(task.get("REF_CLK_SRC") or task.get("SAMP_CLK_TIMEBASE_SRC"))
         if lent and locked and lent in self.phases:
             self.phases[own] = self.phases[lent]
@@ -169,11 +169,11 @@ def _moment(system: "SimulatedSystem", task: Task, begun: Task | None) -> Moment
 
 
 def _trigger(task: Task) -> str:
-    return task.routed("DIG_EDGE_START_TRIG_SRC") if task.get("START_TRIG_TYPE") == DIGITAL_EDGE else ""
+    return task.full_terminal("DIG_EDGE_START_TRIG_SRC") if task.get("START_TRIG_TYPE") == DIGITAL_EDGE else ""
 
 
 def _external_clock(task: Task) -> str:
-    source = task.routed("SAMP_CLK_SRC")
+    source = task.full_terminal("SAMP_CLK_SRC")
     return "" if not source or source.endswith(_OWN) or task.timing != "clocked" else source
 
 
@@ -214,7 +214,7 @@ def start_terminals(task: Task) -> set[str]:
     """Where the start trigger of a task can be found."""
     devices = {c.module.name for c in task.all_channels()} | {task.default_device}
     own = {f"/{device}/{kind_of(task)}/StartTrigger" for device in devices}
-    exported = task.routed("START_TRIG_OUTPUT_TERM")
+    exported = task.full_terminal("START_TRIG_OUTPUT_TERM")
     return own | ({route(exported)} if exported else set())
 
 
@@ -244,7 +244,7 @@ def pulses_of(task: Task, source: str) -> Pulses | None:
         f"/{device}/{kind}/SampleClock"
         for device in {c.module.name for c in task.all_channels()} | {task.default_device}
     }
-    exported = task.routed("SAMP_CLK_OUTPUT_TERM")
+    exported = task.full_terminal("SAMP_CLK_OUTPUT_TERM")
     clocks = ends | ({route(exported)} if exported else set())
     return clock_pulses(task) if kind and route(source) in clocks else None
 
@@ -253,7 +253,7 @@ def _follow_reference(system: "SimulatedSystem", task: Task) -> None:
     """When the digital edge comes that a reference trigger waits for."""
     if not isinstance(task, InputTask) or task.trigger is None or task.trigger.channel >= 0 or task.waiting:
         return
-    pulses = system.pulses(task.routed("DIG_EDGE_REF_TRIG_SRC"))
+    pulses = system.pulses(task.full_terminal("DIG_EDGE_REF_TRIG_SRC"))
     full_s = task.start_s + task.trigger.pre_trigger / task.true_hz
     rising = task.get("DIG_EDGE_REF_TRIG_EDGE") != FALLING
     task.trigger_s = None if pulses is None else pulses.edge_after(full_s, rising=rising)

@@ -103,7 +103,7 @@ def _nodes_on_line(structure: Structure, samples: Structure, model: ModalModel, 
     ends = known[[np.argmin(along @ _direction_of_line(known)), np.argmax(along @ _direction_of_line(known))]]
     places = ends[0] + np.linspace(0, 1, FINE)[:, None] * (ends[1] - ends[0])
     between = shapes.between[structure.drive_axis]
-    through, unsure = between.rows(places), between.uncertainty(places)
+    through, unsure = between.interpolation_matrix(places), between.uncertainty(places)
     # At unit modal mass, as those between which is taken along.
     scale = np.sqrt(2 * structure.poles.imag)[:, None]
     motion = (_real_shapes(scale * s.psi[..., here]) for s in (structure, samples))

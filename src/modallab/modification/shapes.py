@@ -64,7 +64,7 @@ class SpatialInterpolation:
         """(places, columns) at places (places, 3)."""
         return np.einsum("lpk,lkc,lc->pc", self._terms(places_m), self.weights, self.probability, optimize=True)
 
-    def rows(self, places_m: Real) -> Real:
+    def interpolation_matrix(self, places_m: Real) -> Real:
         """(columns, places, known) by which values of a column add up to those at places (places, 3)."""
         each = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
         return np.einsum("lpk,lc->cpk", each, self.probability)

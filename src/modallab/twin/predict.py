@@ -44,7 +44,7 @@ def predict_hit(
     forced_sum = np.zeros((len(channels), len(lines)), dtype=np.complex128)
     total = np.zeros_like(forced_sum)
     for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
-        forced, tail = source.kernel(poles)
+        forced, tail = source.response_to_unit_residue(poles)
         forced_sum += r @ forced
         total += (r * chain_transfer(twin.chain, channels, poles)) @ tail
     forced_sum += twin.residual_compliance * np.outer(_out_of_band_response(twin, modes, channels, x_m, x), source.s**2)
@@ -104,7 +104,7 @@ def predict_sine(
     up = np.zeros(len(channels), dtype=np.complex128)
     down, rings = np.zeros_like(up), np.zeros((len(channels), n))
     for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
-        a, b, decay = source.kernel(poles)
+        a, b, decay = source.response_to_unit_residue(poles)
         up += r @ a[:, 0]
         down += r @ b[:, 0]
         # The kernel's decay is per n / 2 and per unit of the complex amplitude.

@@ -84,7 +84,7 @@ class HitsAtPoint:
         """Some of the lines."""
         return replace(self, lines=self.lines[keep], weights=self.weights[:, keep])
 
-    def kernel(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
+    def response_to_unit_residue(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
         """(p, k) of the forced part and of the tail, per unit residue and unit force.
 
         Args:
@@ -111,7 +111,7 @@ class HitsAtPoint:
         for j, share in enumerate(self.shares):
             own = slice(j, j + 1)
             one = replace(self, pulses=self.pulses[own], first=self.first[own], weights=self.weights[own])
-            own_forced, own_tail = one.kernel(poles * ratios[j])
+            own_forced, own_tail = one.response_to_unit_residue(poles * ratios[j])
             # A residue goes with the inverse of the frequency.
             forced += own_forced * share / ratios[j]
             tail += own_tail / ratios[j]
@@ -150,7 +150,7 @@ class AveragedFrfs:
         first = np.cumsum(count[keep]) - count[keep]
         return replace(self, lines=self.lines[keep], fine=self.fine[inside], share=self.share[inside], first=first)
 
-    def kernel(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
+    def response_to_unit_residue(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
         """(p, k) of the forced part and of the tail, which is none, per unit residue and unit force."""
         s = 2j * np.pi * self.fine / (self.n * self.dt)
         forced = np.add.reduceat(self.share * s**2 / (s - poles[:, None]), self.first, axis=1)
@@ -238,7 +238,7 @@ class SineBlocks:
             -drive - self.s, self.dt, self.n
         ) / self.n
 
-    def kernel(self, poles: Complex) -> tuple[Complex, Complex, Complex]:
+    def response_to_unit_residue(self, poles: Complex) -> tuple[Complex, Complex, Complex]:
         """Steady gain at +omega and at -omega and amplitude of the decay, (p, blocks) each, per unit residue and force.
 
         Poles are (p,) or (p, blocks).

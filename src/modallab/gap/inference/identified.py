@@ -180,7 +180,7 @@ class _Projection:
 
     def _basis(self, poles: Complex) -> Complex:
         """(2 p + 2, lines): real and imaginary parts of the modal constants, mass line, modes above the band."""
-        up, down = (np.sum(self.source.kernel(p), axis=0) for p in (poles, poles.conj()))
+        up, down = (np.sum(self.source.response_to_unit_residue(p), axis=0) for p in (poles, poles.conj()))
         s, top = self.source.s, np.abs(poles[-1])
         above = s**2 * top**2 / (s**2 + (ABOVE_BAND * top) ** 2)
         return np.array([*(up + down), *(1j * (up - down)), s**2, above])

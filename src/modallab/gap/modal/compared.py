@@ -136,7 +136,9 @@ class Compared:
             return found
         at = self.shapes.at_m[self.shapes.index(freedom)]
         # What lies outside the band is no mode: its waves are about as long as theirs.
-        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at])).mean(axis=0)
+        there, here = between.interpolation_matrix(np.stack([at + along_m @ self.shapes.tangents(freedom), at])).mean(
+            axis=0
+        )
         share = dict(zip(same, there - here, strict=True))
         for o, f in enumerate(freedoms):
             if freedoms.index(f) == o:

@@ -56,7 +56,7 @@ def _impact(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Compl
     total: Complex = np.zeros(d.rows.y.shape, dtype=np.complex128)
     forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
-        forced, tail = source.kernel(pole, frequency_ratios_of_hits(twin, d, data))
+        forced, tail = source.response_to_unit_residue(pole, frequency_ratios_of_hits(twin, d, data))
         forced_sum += r @ forced
         total += (r * chain_transfer(twin.chain, data.channels, pole)) @ tail
     # The FRF of a drive is that of the best linear approximation: it says nothing of a law.
@@ -142,7 +142,7 @@ def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
     down = up.copy()
     rings = np.zeros((len(data.channels), *source.lines.shape), dtype=np.complex128)
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
-        a, b, decay = source.kernel(pole)
+        a, b, decay = source.response_to_unit_residue(pole)
         if scale is not None:
             a, b, decay = a / scale, b / scale, decay / scale
         up += r @ a

@@ -244,7 +244,7 @@ def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Par
     on_lines, ratios = unit(source.s), frequency_ratios_of_hits(twin, d, data)
 
     def kernel(poles: Complex) -> Complex:
-        forced, tail = source.kernel(poles, ratios)
+        forced, tail = source.response_to_unit_residue(poles, ratios)
         return on_lines[:, None] * forced + unit(poles)[:, :, None] * tail
 
     def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
@@ -261,7 +261,7 @@ def _of_sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> _Part
 
     def kernel(poles: Complex) -> Complex:
         p = poles if drift is None else poles[:, None] * drift
-        a, b, decay = (k / scale for k in source.kernel(p))
+        a, b, decay = (k / scale for k in source.response_to_unit_residue(p))
         at = unit(p) if drift is not None else unit(p)[:, :, None]
         total = up[:, None] * a[:, :, None] + down[:, None] * b[:, :, None]
         total += (decay * at)[..., None] * source.decay_shape(p)

@@ -182,8 +182,8 @@ def _ringing_at_end(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) 
     ratios = frequency_ratios_of_hits(twin, d, data)
     amplitude = psi * poles**2 * chain_transfer(twin.chain, data.channels, poles)
     conjugate = psi.conj() * poles.conj() ** 2 * chain_transfer(twin.chain, data.channels, poles.conj())
-    _, tail = source.kernel(poles, ratios)
-    _, tail_conj = source.kernel(poles.conj(), ratios)
+    _, tail = source.response_to_unit_residue(poles, ratios)
+    _, tail_conj = source.response_to_unit_residue(poles.conj(), ratios)
     for p in range(len(poles)):
         up, down = np.outer(amplitude[:, p], tail[p]), np.outer(conjugate[:, p], tail_conj[p])
         for column in (up + down, 1j * (up - down)):
