@@ -103,7 +103,7 @@ class CantileverPlant:
         self._bench.start()
         # The bench plays bursts; a device plays whatever was written to it, so it is put beneath.
         inner = cast("Any", self._bench)
-        inner._excitation.emit(*(_LineEmission(line, start_s) for line in lines))
+        inner._excitation.play_outputs(*(_LineEmission(line, start_s) for line in lines))
         return _CantileverSource(self._bench, delivery.scale, 2 ** (self._bits - 1))
 
     def strike(self, point: int, now_s: float) -> None:
