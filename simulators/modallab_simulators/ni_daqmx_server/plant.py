@@ -125,7 +125,7 @@ class _CantileverSource:
         return counts * self._volts_per_count[:, None], overload
 
     def changed(self) -> None:
-        cast("Any", self._bench)._stream.changed()
+        cast("Any", self._bench)._stream.excitation_changed()
 
 
 class CablePlant:
