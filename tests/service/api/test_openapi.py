@@ -53,9 +53,9 @@ def test_every_object_of_ours_rejects_unknown_fields(lab: Lab) -> None:
         "RunRequest",
         "LeaseRequest",
         "JobRequest",
-        "Verdict",
-        "Login",
-        "Pause",
-        "Drop",
+        "BlockVerdict",
+        "LoginRequest",
+        "PauseRun",
+        "DropHit",
     ]
     assert all(schemas[name]["additionalProperties"] is False for name in asked)
