@@ -104,9 +104,9 @@ def tutorial(lab: Generated) -> list[str]:
     hits = [block.n for block in blocks if block.accepted]
     before = lab("frf", "get_frf", impact).averages
     slip = {"accepted": False, "reason": "a slip"}
-    lab("blocks", "put_verdict", impact, hits[1], body=lab.document("Verdict", slip), **lease)
+    lab("blocks", "put_verdict", impact, hits[1], body=lab.document("BlockVerdict", slip), **lease)
     after = lab("frf", "get_frf", impact).averages
-    lab("blocks", "put_verdict", impact, hits[1], body=lab.document("Verdict", {"accepted": True}), **lease)
+    lab("blocks", "put_verdict", impact, hits[1], body=lab.document("BlockVerdict", {"accepted": True}), **lease)
     assert sum(before) - sum(after) == 1
     newest = lab("jobs", "list_campaign_jobs", campaign, kind=lab.word("ListCampaignJobsKind", "identify")).items[0].id
     wait_for(lambda job: lab("jobs", "get_job", job), newest)
