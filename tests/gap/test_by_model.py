@@ -67,7 +67,7 @@ def test_a_spring_that_moves_a_mode_by_a_quarter_is_found_from_afar() -> None:
     assert np.sqrt(squared[0]) / OMEGA[0] > 1.25
     (effect,) = found.effects
     assert effect.effect == "ground_spring"
-    assert effect.parameters["k"] == pytest.approx(3e4, rel=0.1)
+    assert effect.interval["k"][0] < 3e4 < effect.interval["k"][1]
     assert np.linalg.norm(np.array(effect.place.at_m) - [0.17, 0.11, 0.0]) < 0.02
 
 

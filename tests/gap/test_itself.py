@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from phased_line import OMEGA, PSI, ZETA, model, rig, with_mass
 
+from modallab.blind.measured.draw import AppliedEffect
+from modallab.blind.measured.score import Truth, judge_trial
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.gap.modal.diagnosis import diagnose_by_model
@@ -88,6 +90,17 @@ def test_one_sensor_at_one_driven_point_shows_a_mass_there() -> None:
     (effect,) = diagnose_by_model(model(sensors=(1,)), with_mass(0.3, 1, sensors=(1,)), rig()).effects
     assert effect.effect == "added_mass"
     assert effect.parameters["mass"] == pytest.approx(0.3, rel=0.1)
+
+
+def test_with_one_sensor_a_wrong_gain_may_be_the_force_channel_s() -> None:
+    """Both are exact: the diagnosis says so, and a trial counts the true one as not ruled out."""
+    of = model(sensors=(1,))
+    found = diagnose_by_model(of, of.model_copy(update={"modal_constants": 1.3 * of.modal_constants}), rig())
+    assert found.explanations().keys() == {"gain_error", "force_gain"}
+    assert found.explanations()["gain_error"] == pytest.approx(found.explanations()["force_gain"], rel=0.05)
+    assert any("do not distinguish" in note for note in found.notes)
+    assert judge_trial("", Truth(AppliedEffect("gain_error", 1.3, output=0), "a1"), found).among
+    assert not judge_trial("", Truth(AppliedEffect("added_mass", 1.0, output=0, input=0), "1"), found).among
 
 
 @pytest.mark.thorough("diagnoses a structure once more")

@@ -88,3 +88,13 @@ class ModalDiagnosis(Frozen):
     by_channel: list[PartOfGap] = Field(default_factory=list)
     by_mode: list[PartOfGap] = Field(default_factory=list)
     notes: list[str]
+
+    def explanations(self, together: float = 0.95) -> dict[str, float]:
+        """The most probable ones until they have this probability together: effects, "no_gap" and "unknown"."""
+        each = {"no_gap": self.nothing or 0.0, "unknown": self.unknown or 0.0}
+        each |= {candidate.effects[0]: candidate.probability for candidate in self.candidates}
+        found: dict[str, float] = {}
+        for name in sorted(each, key=lambda name: -each[name]):
+            if sum(found.values()) < together:
+                found[name] = each[name]
+        return found

@@ -1,16 +1,12 @@
 """Mode shapes at unit modal mass at every measured freedom, and between them.
 
-Shapes of modes are smooth: the covariance is the squared exponential. How long their waves are, the values themselves
-show: each length counts by its evidence (Rasmussen, Williams, Gaussian Processes for Machine Learning, 2006, ch. 5).
-Few points show little of it, and what lies between them is then as uncertain as it should be.
-
 A modal constant is the product of the shape at the output and at the input, so that a roving hammer shows the shape at
 every point it strikes and a roving sensor at every point it stands. Shapes are complex, as the modal constants are:
 what a sensor shows of a freedom, and what a force there does, stay two numbers where both were measured.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,83 +14,12 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import Freedom, ModalFactors, factor_constants, freedoms_of
+from modallab.modification.interpolation import ROUGH, SpatialInterpolation
 from modallab.modification.mesh import Mesh, median_spacing, surface_directions
 
-LENGTHS = np.geomspace(0.05, 2.0, 12)
-"""Lengths of the covariance over the extent of the points, each as likely as the other before values are known."""
-NOISE = 1e-3
-"""By how much values at the points are off, over their size: what identification leaves of a shape."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SpatialInterpolation:
-    """Values taken along in space.
-
-    Attributes:
-        known: (known, 3) places over their extent.
-        whitening: (lengths, known, known) inverse of the Cholesky factor of the values' correlation.
-        weights: (lengths, known, columns) of the correlation with the known places, for each length alone.
-        variance: (lengths, columns) of the process.
-        probability: (lengths, columns) of each length.
-        size: extent of the places, m.
-    """
-
-    known: Real
-    whitening: Real
-    weights: Complex | Real
-    variance: Real
-    probability: Real
-    size: float
-
-    @classmethod
-    def of(cls, known_m: Real, values: Complex | Real) -> "SpatialInterpolation":
-        """Through values (known, columns) at places (known, 3)."""
-        size, count = max(float(np.ptp(known_m, axis=0).max()), 1e-9), len(known_m)
-        known = known_m / size
-        factor = np.linalg.cholesky(_correlation(known, known) + NOISE**2 * np.eye(count))
-        whitening = np.asarray(np.linalg.inv(factor), np.float64)
-        weights = whitening.transpose(0, 2, 1) @ (whitening @ values)
-        power = np.einsum("kc,lkc->lc", values.conj(), weights).real
-        variance = np.maximum(power, np.finfo(float).tiny) / count
-        logs = np.sum(np.log(np.diagonal(whitening, axis1=1, axis2=2)), axis=1)[:, None] - count * np.log(variance) / 2
-        mass = np.exp(logs - logs.max(axis=0))
-        return cls(known, whitening, weights, variance, mass / mass.sum(axis=0), size)
-
-    def at(self, places_m: Real) -> Complex | Real:
-        """(places, columns) at places (places, 3)."""
-        return np.einsum("lpk,lkc,lc->pc", self._terms(places_m), self.weights, self.probability, optimize=True)
-
-    def interpolation_matrix(self, places_m: Real) -> Real:
-        """(columns, places, known) by which values of a column add up to those at places (places, 3)."""
-        each = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
-        return np.einsum("lpk,lc->cpk", each, self.probability)
-
-    def uncertainty(self, places_m: Real) -> Real:
-        """(places, columns) deviation of the values there: within each length, and from one length to another."""
-        terms = self._terms(places_m)
-        explained = terms @ self.whitening.transpose(0, 2, 1)
-        left = np.maximum(1 - np.sum(explained**2, axis=2), 0.0)
-        each = terms @ self.weights
-        apart = np.abs(each - np.einsum("lpc,lc->pc", each, self.probability)) ** 2
-        return np.sqrt(np.einsum("lpc,lc->pc", left[:, :, None] * self.variance[:, None] + apart, self.probability))
-
-    def rotated_phase(self, factors: Complex) -> "SpatialInterpolation":
-        """With each column times a factor (columns,) of size 1."""
-        return replace(self, weights=self.weights * factors)
-
-    def _terms(self, places_m: Real) -> Real:
-        return _correlation(places_m / self.size, self.known)
-
-
-def _correlation(p: Real, q: Real) -> Real:
-    """(lengths, p, q) between places (p, 3) and (q, 3)."""
-    away = np.linalg.norm(p[:, None] - q[None], axis=2) / LENGTHS[:, None, None]
-    return np.asarray(np.exp(-(away**2) / 2), np.float64)
-
-
 NEIGHBOURS = 8
-FLAT = 0.2
-"""A direction in which a point's neighbours spread less than this share of their widest is not resolved."""
+FLAT = 1e-3
+"""Neighbours that spread less across than this share of their widest stand in a line: nothing shows what is beside."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -132,7 +57,7 @@ class FreedomShapes:
         if mesh is None or not set(same) <= set(mesh.motion):
             return cls(*known, {a: SpatialInterpolation.of(at_m[s], both[:, s].T) for a, s in same.items()})
         near = mesh.near_points(at_m)
-        between = {a: SpatialInterpolation.of(near.places_m, near.motion[a]) for a in same}
+        between = {a: SpatialInterpolation.of(near.places_m, near.motion[a], ROUGH[:1]) for a in same}
         # A shape's sign is free: that of the mesh follows the one of the modal constants.
         together = sum(np.sum(np.conj(between[a].at(at_m[s])) * both[:, s].T, axis=0) for a, s in same.items())
         turned = {a: b.rotated_phase(_unit_sizes(np.asarray(together))) for a, b in between.items()}
@@ -165,8 +90,9 @@ class FreedomShapes:
         return np.asarray(self.between[freedom[1]].at(self.at_m[self.index(freedom)] + offsets_m), np.complex128)
 
     def uncertainty_beside(self, freedom: Freedom, offsets_m: Real) -> Real:
-        """(offsets, modes) by how much `moved` may be off there, one deviation; nothing at a point."""
-        return self.between[freedom[1]].uncertainty(self.at_m[self.index(freedom)] + offsets_m)
+        """(offsets, modes) by how much shapes may differ otherwise from those at the freedom, one deviation."""
+        here = self.at_m[self.index(freedom)]
+        return self.between[freedom[1]].uncertainty(here + offsets_m, here)
 
     def slopes(self, freedom: Freedom) -> Complex:
         """(2, modes) derivatives along the tangents, 1/m."""

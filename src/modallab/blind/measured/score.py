@@ -32,6 +32,7 @@ class MeasuredTrial(Frozen):
         right: whether the name is right, or nothing was done and nothing said.
         size_error: relative; None where none was named right, or it has no size.
         place_right: None where none was named right, or it has no place.
+        among: whether the effect is among the most probable explanations that have 95 % together; None in older files.
     """
 
     name: str
@@ -45,6 +46,7 @@ class MeasuredTrial(Frozen):
     right: bool
     size_error: float | None
     place_right: bool | None
+    among: bool | None = None
 
 
 class MeasuredOutcome(Frozen):
@@ -93,6 +95,7 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
         right=right,
         size_error=_relative_error(put, said, value) if counts else None,
         place_right=there == truth.place if counts and truth.place else None,
+        among=found is not None and ("no_gap" if put is None else put.effect) in found.explanations(),
     )
 
 
@@ -125,6 +128,7 @@ def trial_figures(trials: Sequence[MeasuredTrial]) -> list[OutcomeFigure]:
     sure = [t for t in trials if t.probability > SURE]
     return [
         _share_of_trials("named right", done, lambda t: t.right),
+        _share_of_trials("effect among explanations of 95 % together", done, lambda t: bool(t.among)),
         _share_of_trials("size within 10 %, of effects named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
         _share_of_trials("place right, of effects named right", placed, lambda t: bool(t.place_right)),
         _share_of_trials("right where the probability is above 0.9", sure, lambda t: t.right),

@@ -105,7 +105,7 @@ def _said(free: Free, found: ModalVerdict, modes: tuple[int, int], levels: Seque
     best, probable = found.best, {id(f): p for f, p in found.ranked}
     known = found.verdict == "known"
     misses = RelativeMisfits.of(free, found.base, best)
-    return ModalDiagnosis(
+    said = ModalDiagnosis(
         rig=free.of.rig.name,
         verdict=found.verdict,
         nominal=free.share(np.zeros(free.size)),
@@ -126,6 +126,14 @@ def _said(free: Free, found: ModalVerdict, modes: tuple[int, int], levels: Seque
         by_mode=by_mode(free, misses),
         notes=[*found.notes, *_without_name(found), *_of_the_whole(best), *levels],
     )
+    return said.model_copy(update={"notes": [*said.notes, *_not_distinguished(said)]})
+
+
+def _not_distinguished(said: ModalDiagnosis) -> list[str]:
+    """Explanations that have 95 % together, where there are several."""
+    each = said.explanations()
+    listed = ", ".join(f"{name.replace('_', ' ')} {probability:.2f}" for name, probability in each.items())
+    return [f"The records do not distinguish these explanations (probability): {listed}."] if len(each) > 1 else []
 
 
 def _of_levels(bench: ModalModel) -> list[str]:

@@ -143,14 +143,15 @@ class Means:
     def _unseen(self) -> Complex:
         """(lines, lines, outputs, inputs) covariance of what the models leave, for lying between the lines.
 
-        It may be of any of their modes, as large as it is where that mode is, and is then missed as that mode is.
+        It may be of any of their modes, as large as it is where that mode is over all FRFs, and is then missed as that
+        mode is: at this FRF, or at others.
         """
         found = np.zeros((self.s.size, *self.off_axis.shape), np.complex128)
         left = np.abs(self.of.receptances - self.on_lines) ** 2
         for mode in self.of.models.modes:
-            on_lines = mode.receptances(self.of.s)
-            missed, own = mode.receptances(self.s) - self._mean(on_lines), np.abs(on_lines) ** 2
-            whole = np.sum(own**2, axis=0)
-            size = np.divide(np.sum(own * left, axis=0), whole, out=np.zeros_like(whole), where=whole > 0)
-            found += size * np.einsum("loi,moi->lmoi", missed, np.conj(missed))
+            on_lines, size = mode.receptances(self.of.s), np.sum(np.abs(mode.constants) ** 2, axis=0)
+            power, missed = np.abs(on_lines) ** 2, mode.receptances(self.s) - self._mean(on_lines)
+            share = np.sum(power * left) / np.sum(power**2)
+            own = np.einsum("loi,moi->lmoi", missed, np.conj(missed))
+            found += share * (own + own.sum(axis=(2, 3))[:, :, None, None] * size / np.sum(size))
         return found

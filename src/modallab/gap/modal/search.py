@@ -84,8 +84,8 @@ class ModalSearch:
             return best
         starts = candidates_nearby(best.free.of, best.candidate, best.v, NEARBY)
         nearly = [fit(self.closer, candidate, best.u, v) for candidate, v in starts]
-        other = min(nearly, key=lambda f: f.cost, default=best)
-        return min(best, fit(best.free, other.candidate, other.u, other.v), key=lambda f: f.cost)
+        others = [fit(best.free, one.candidate, one.u, one.v) for one in nearly]
+        return min([best, *others], key=lambda f: f.evidence)
 
 
 def _likely(here: Marginal, fitted: Callable[[Candidate, Real], FittedExplanation]) -> list[FittedExplanation]:
