@@ -149,7 +149,7 @@ def test_a_backup_is_never_written_over_anything(store: Store, tmp_path: Path, m
 def test_retention_takes_invalid_runs_only_unless_it_is_asked_to(store: Store) -> None:
     good, aborted, failed = (_record(store, 1), _record(store, 2, "aborted", valid=False), _record(store, 3, "failed"))
     with begin(store) as active:
-        active.record(noise(1), BlockNote("b", "impact", 0))
+        active.record_block(noise(1), BlockNote("b", "impact", 0))
         rules = {
             "default": RetentionRule(),
             "failed too": RetentionRule(also_valid=True),
