@@ -105,7 +105,10 @@ def uff_kilograms_force(folder: Path, d: Drawn) -> Known:
     right = d.frf()
     scaled = type(right)(right.frequency, right.values * 1e3 * 9.80665)
     system = (8, "GM: mm (kilogram f)", 1000.0, 1 / 9.80665)
-    return Known(save_uff(folder, [*units_164(system), *text_58(frfs(scaled, unit=" ", double=True))]), frf=right)
+    return Known(
+        save_uff(folder, [*units_164(system), *text_58(frfs(scaled, unit=" ", denominator=(13, " "), double=True))]),
+        frf=right,
+    )
 
 
 @draws("fifteenth")

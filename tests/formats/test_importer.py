@@ -90,7 +90,7 @@ def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> No
         ("a.csv", b"  \n\n", "is empty"),
         ("a.npy", b"time,force\n0,1\n", "is no NPY file"),
         ("a.h5", b"time,force\n0,1\n", "is no HDF5 file"),
-        ("a.unv", b"time,force\n0,1\n", "is no universal file: it does not begin with a line '    -1'"),
+        ("a.unv", b"time,force\n0,1\n", "is no universal file: it has no line '    -1'"),
         ("a.mat", b"MATLAB 5.0\x00\x01\x02", "is no MATLAB file of version 4, 5 or 7.3"),
         ("a.xyz", b"any\x00\x01\x02", "is of no known kind"),
         ("a.npz", b"PK\x03\x04\x14\x00", "is no whole archive of NPY files"),

@@ -15,7 +15,7 @@ from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channe
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
-from modallab.formats.starts import cut_to_common_time
+from modallab.formats.starts import cut_to_common_time, one_rate
 from modallab.formats.unit_text import normal_unit, unit_in_name, without_unit
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -43,8 +43,6 @@ _FRF_AXES: tuple[tuple[Axis, ...], ...] = (
     ("inputs", "lines", "outputs"),
 )
 """Ways round that FRFs may stand; of those that fit the first is taken."""
-_SAME_RATE = 1e-3
-"""Relative: times may be written with few digits."""
 _SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
 """Fields of a channel's own structure that hold its samples."""
 
@@ -140,11 +138,8 @@ def _record(
         return samples, _rate(found, options, samples.shape[1], where), ""
     rows = [_row(array_named(arrays, key, where), key, where) for key in keys.values() if key is not None]
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
-    rates = {one.rate_hz for one in own}
-    if len(rates) > 1:
-        text = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
-        raise DataError(f"the channels differ in rate: {text}", where=where, remedy="export channels of one rate")
-    rate = options.agreed(rates.pop() or _rate(found, options, rows[0].size, where), where)
+    said = one_rate({name: one.rate_hz for name, one in zip(names, own, strict=True)}, where)
+    rate = options.agreed(said or _rate(found, options, rows[0].size, where), where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
@@ -209,8 +204,8 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
         rate = 1 / np.where(step > 0, step, np.inf)
     if times is not None and times.size == n:
         own = check_time(np.ravel(times), f"{where}, times")
-        _require_one(own, rate, options, where)
-        return options.of_times(own, "", where)
+        beside = rate if rate is not None and rate.size == 1 and TIME not in dict(options.variables) else own
+        return options.of_times(own, "", where, float(np.ravel(beside)[0]))
     if rate is not None and rate.size == 1:
         own = check_rate(float(np.ravel(rate)[0]), where)
     elif options.rate_hz is not None:
@@ -220,17 +215,6 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
             "says neither times nor a rate", where=where, remedy="give the rate with --rate, or --variable time=NAME"
         )
     return options.agreed(own, where)
-
-
-def _require_one(own: float, rate: NDArray[Any] | None, options: ImportOptions, where: str) -> None:
-    """Reject a file whose times and rate contradict each other, unless it was said which holds."""
-    other = own if rate is None or rate.size != 1 else float(np.ravel(rate)[0])
-    if abs(other / own - 1) > _SAME_RATE and TIME not in dict(options.variables):
-        raise DataError(
-            f"its times say {own:g} Hz, its rate {other:g} Hz",
-            where=where,
-            remedy="say that the times hold, with --variable time=NAME, or correct the file",
-        )
 
 
 def _map_of_frf(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> ArrayMap | None:

@@ -14,7 +14,7 @@ from modallab.core.units import Quantity
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import columns_of, frf_of_table, holds_frfs
-from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
+from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column, unit_of_time
 from modallab.formats.csv.csv_join import records_of, side_by_side
 from modallab.formats.csv.csv_table import Table, read_tables
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
@@ -144,11 +144,11 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
                 remedy="add a column named time, or give the rate with --rate",
             )
         return check_rate(said, where)
-    unit = table.units[time] if table.units else ""
+    unit = unit_of_time(names[time], table.units[time] if table.units else "")
     factor = to_seconds(unit, f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
-    return options.of_times(rate, unit, f"{where}, column {names[time]}")
+    return options.of_times(rate, unit, f"{where}, column {names[time]}", table.facts.rate_hz)
 
 
 def draft_csv(path: Path, options: ImportOptions) -> Rig:

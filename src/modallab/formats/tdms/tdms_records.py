@@ -19,7 +19,7 @@ from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_heads import is_time_name
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, cut_to_common_time
+from modallab.formats.starts import Start, cut_to_common_time, one_rate
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
 from modallab.formats.unit_text import quantity_of, to_seconds
 
@@ -106,12 +106,9 @@ def _start(part: TdmsChannel, where: str) -> Start:
 
 def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:
     steps = {part.name: _step_of(part, where) for part in parts}
-    if len(set(steps.values())) > 1:
-        rates = ", ".join(f"{name} {1 / step:g} Hz" if step else f"{name} no rate" for name, step in steps.items())
-        raise DataError(f"the channels differ in rate: {rates}", where=where, remedy="export channels of one rate")
-    step = next(iter(steps.values()))
-    if step > 0:
-        rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)
+    said = one_rate({name: 1 / step if step else None for name, step in steps.items()}, where)
+    if said:
+        rate = check_rate(whole_rate(said, 1e-12 * said), where)
     elif times := [c for c in group.channels.values() if _is_time(c) and len(c.samples) == len(parts[0].samples)]:
         unit, place = times[0].unit, f"{where}, channel of times"
         return options.of_times(check_time(times[0].samples * to_seconds(unit, place), place), unit, place)
