@@ -120,7 +120,7 @@ def uff_rotation(folder: Path, d: Drawn) -> Known:
 
 
 @draws("fifteenth")
-def npz_matrix(folder: Path, d: Drawn) -> Known:
+def npz_columns(folder: Path, d: Drawn) -> Known:
     """t and x, whose columns are the force and the responses, said by a map."""
     r = d.hit()
     np.savez_compressed(folder / "case.npz", t=r.time, x=r.rows.T)

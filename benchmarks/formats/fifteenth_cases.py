@@ -27,7 +27,7 @@ def lecroy_three_files(folder: Path, d: Drawn) -> Known:
 
 
 @draws("fifteenth")
-def ono_sokki(folder: Path, d: Drawn) -> Known:
+def ono_sokki_lines(folder: Path, d: Drawn) -> Known:
     """An FFT analyser: fifteen lines of facts with commas, then lines, real and imaginary parts of two traces."""
     right = d.frf()
     a, b = right.values

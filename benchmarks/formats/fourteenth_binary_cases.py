@@ -96,7 +96,7 @@ def hdf5_sample_interval(folder: Path, d: Drawn) -> Known:
 
 
 @draws("fourteenth")
-def uff_before_the_trigger(folder: Path, d: Drawn) -> Known:
+def uff_begins_with_words(folder: Path, d: Drawn) -> Known:
     """Records that begin 0.02 s before zero, all of them; text above the first -1."""
     r = d.hit()
     lines = text_58(functions(r, first=-0.02, double=True))

@@ -40,7 +40,9 @@ def test_files_of_every_kind_stand_in_the_order_given(tmp_path: Path) -> None:
     ]
     read = import_sources(paths, RIG)
     assert [(b.name, b.order) for b in read.blocks] == [("b", 0), ("a", 1), ("c", 2), ("hit_1", 3)]
-    assert read.provenance == {"seed": "4", "sources": "b.npy\na.csv\nc.uff\nold.h5"}
+    bare = "no unit is written of force, a01, a02, a03: taken in N, m/s^2"
+    notes = f"b.npy: {bare}\na.csv: {bare}"
+    assert read.provenance == {"seed": "4", "sources": "b.npy\na.csv\nc.uff\nold.h5", "notes": notes}
     write_campaign(read, tmp_path / "new.h5")
     assert [b.name for b in read_campaign(tmp_path / "new.h5").blocks] == ["b", "a", "c", "hit_1"]
 

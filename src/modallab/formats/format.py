@@ -37,7 +37,6 @@ _OTHERS |= {b"\xd0\xcf\x11\xe0": "a compound document, as of Excel before 2007 o
 _OTHERS |= {b"PAR1": "a Parquet file", b"ARROW1": "a Feather file", b"FEA1": "a Feather file", b"SQLite": "a database"}
 _OTHERS |= {b"MDF  ": "an MDF file", b"|CF,": "an imc FAMOS file", b"start of data": "an HDF file of HEAD acoustics"}
 _OTHERS |= {b"DIAEXTENDED": "a header of DIAdem, whose numbers stand in another file", b"IGOR": "an Igor text file"}
-_OTHERS |= {b"# Created by Octave": "a text file of Octave"}
 """How files of other kinds begin that people have."""
 
 

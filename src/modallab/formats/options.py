@@ -185,22 +185,21 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def units_of(
-    channels: Sequence[Channel], beside: Sequence[str], elsewhere: Iterable[str], options: ImportOptions, where: str
+    channels: Sequence[Channel], beside: Sequence[str], elsewhere: Iterable[str], where: str
 ) -> tuple[str, ...]:
-    """The unit of each channel: the one beside it, else the one that the file has for its quantity, else the rig's.
+    """The unit of each channel: the one beside it, else the one that the file has for its quantity; else "".
 
     Args:
         channels: of the rig.
         beside: by channel, "" where the file has none.
         elsewhere: what else in the file may be a unit, such as a list that does not say whose each is.
-        options: what the file does not say.
         where: file, for messages.
 
     Raises:
         DataError: the file has several for one quantity, and does not say whose each is.
     """
     known = {normal_unit(text) for text in elsewhere}
-    return tuple(b or _of_quantity(c, known, where) or options.unit(c) for b, c in zip(beside, channels, strict=True))
+    return tuple(b or _of_quantity(c, known, where) for b, c in zip(beside, channels, strict=True))
 
 
 def _of_quantity(channel: Channel, known: Collection[str], where: str) -> str:

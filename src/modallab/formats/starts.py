@@ -85,6 +85,14 @@ def one_rate(rates_hz: Mapping[str, float | None], where: str) -> float | None:
     return said[0] if said else None
 
 
+def rate_note(rates_hz: Mapping[str, float | None]) -> str:
+    """Which channels say no rate and are taken at that of the others; "" for none."""
+    bare = [name for name, rate in rates_hz.items() if not rate]
+    return (
+        f"no rate is written of {', '.join(bare)}: taken at that of the others" if 0 < len(bare) < len(rates_hz) else ""
+    )
+
+
 def cut_to_common_time(
     rows: Sequence[NDArray[Any]], starts: Sequence[Start | None], rate_hz: float, names: Sequence[str], where: str
 ) -> tuple[NDArray[Any], str]:

@@ -15,7 +15,7 @@ from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channe
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
-from modallab.formats.starts import cut_to_common_time, one_rate
+from modallab.formats.starts import cut_to_common_time, one_rate, rate_note
 from modallab.formats.unit_text import normal_unit, unit_in_name, without_unit
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -84,7 +84,7 @@ def _units(rig: Rig, arrays: Arrays, texts: Texts, options: ImportOptions, where
     apart = {key: rows for key, rows in texts.items() if key.lower() not in owned}
     elsewhere = [row for key, rows in apart.items() if "unit" in key.rpartition(".")[2].lower() for row in rows]
     beside = [unit_beside(texts, _key(arrays, c.name, options)) for c in rig.channels]
-    return units_of(rig.channels, beside, elsewhere, options, where)
+    return units_of(rig.channels, beside, elsewhere, where)
 
 
 def unit_beside(texts: Texts, key: str | None) -> str:
@@ -138,15 +138,15 @@ def _record(
         return samples, _rate(found, options, samples.shape[1], where), ""
     rows = [_row(array_named(arrays, key, where), key, where) for key in keys.values() if key is not None]
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
-    said = one_rate({name: one.rate_hz for name, one in zip(names, own, strict=True)}, where)
-    rate = options.agreed(said or _rate(found, options, rows[0].size, where), where)
+    said = {name: one.rate_hz for name, one in zip(names, own, strict=True)}
+    rate = options.agreed(one_rate(said, where) or _rate(found, options, rows[0].size, where), where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
         found_ = f"says when other channels begin, and nothing of {without}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = cut_to_common_time([_real(row, where) for row in rows], starts, rate, names, where)
-    return samples, rate, note
+    return samples, rate, "; ".join(filter(None, (rate_note(said), note)))
 
 
 def _row(values: NDArray[Any], key: str, where: str) -> NDArray[Any]:

@@ -171,10 +171,7 @@ def _block(
     samples, note = cut_to_common_time([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)
-    fitting = zip(parts, rig.channels, strict=True)
-    units = [normal_unit(part["unit_str"]) or options.unit(channel) for part, channel in fitting]
-    block = facts.block(samples, units, rig, order=order)
-    return block, note
+    return facts.block(samples, [normal_unit(part["unit_str"]) for part in parts], rig, order=order), note
 
 
 def draft_sep005(path: Path, options: ImportOptions) -> Rig:

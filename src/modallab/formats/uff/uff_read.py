@@ -104,8 +104,7 @@ def _block(
         read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
     )
     facts = replace(facts, drive_point=_drive_point(group, rig, options, where))
-    fitting = zip(functions, rig.channels, strict=True)
-    channel_units = [unit_of(f, units, where) or options.unit(channel) for f, channel in fitting]
+    channel_units = [unit_of(f, units, where) for f in functions]
     signs = np.array([match.sign for _, match in parts], dtype=np.float64)
     block = facts.block(samples, channel_units, rig, order=order, scale=signs)
     return block, note
