@@ -36,6 +36,7 @@ _OTHERS |= {b"PK\x03\x04": "a ZIP archive or a workbook", b"{": "a JSON object, 
 _OTHERS |= {b"\xd0\xcf\x11\xe0": "a compound document, as of Excel before 2007 or a scanning vibrometer"}
 _OTHERS |= {b"PAR1": "a Parquet file", b"ARROW1": "a Feather file", b"FEA1": "a Feather file", b"SQLite": "a database"}
 _OTHERS |= {b"MDF  ": "an MDF file", b"|CF,": "an imc FAMOS file", b"start of data": "an HDF file of HEAD acoustics"}
+_OTHERS |= {b"$TITLE": "a punch file of Nastran", b"fLaC": "a FLAC file", b"riff": "a Wave64 file"}
 _OTHERS |= {b"DIAEXTENDED": "a header of DIAdem, whose numbers stand in another file", b"IGOR": "an Igor text file"}
 """How files of other kinds begin that people have."""
 

@@ -11,11 +11,12 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, listed
-from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
+from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.starts import cut_to_common_time, one_rate, rate_note
+from modallab.formats.time_names import RATES, STEPS, plain_name
 from modallab.formats.unit_text import normal_unit, unit_in_name, without_unit
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -25,8 +26,8 @@ Texts = Mapping[str, tuple[str, ...]]
 TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
     TIME: ("time", "t", "timestamps"),
-    RATE: RATE_NAMES,
-    STEP: STEP_NAMES,
+    RATE: RATES,
+    STEP: STEPS,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
@@ -68,9 +69,9 @@ def campaign_of_arrays(
         return campaign_of_map(arrays, array_map, name, rig, options, where)
     found = {key: _find(arrays, key, options, where) for key in (TIME, RATE, STEP)}
     samples, rate, note = _record(arrays, found, rig, options, where)
-    block = facts_or_options(None, name, rate, options).block(
-        samples, _units(rig, arrays, texts or {}, options, where), rig
-    )
+    units = _units(rig, arrays, texts or {}, options, where)
+    _require_scales(arrays, units, rig, options, where)
+    block = facts_or_options(None, name, rate, options).block(samples, units, rig)
     return Campaign(rig, (block,), provenance={"notes": f"{name}: {note}"} if note else {}, source=where)
 
 
@@ -85,6 +86,19 @@ def _units(rig: Rig, arrays: Arrays, texts: Texts, options: ImportOptions, where
     elsewhere = [row for key, rows in apart.items() if "unit" in key.rpartition(".")[2].lower() for row in rows]
     beside = [unit_beside(texts, _key(arrays, c.name, options)) for c in rig.channels]
     return units_of(rig.channels, beside, elsewhere, where)
+
+
+def _require_scales(arrays: Arrays, units: tuple[str, ...], rig: Rig, options: ImportOptions, where: str) -> None:
+    """Reject whole numbers without a unit: they are counts of a converter, and what one of them is nothing says."""
+    keys = {c.name: _key(arrays, c.name, options) for c, unit in zip(rig.channels, units, strict=True) if not unit}
+    kinds = {n: array_named(arrays, key, where).dtype for n, key in keys.items() if key and not options.volts}
+    whole = [f"{name} ({kind})" for name, kind in kinds.items() if kind.kind in "iu"]
+    if whole:
+        raise DataError(
+            f"holds whole numbers without a unit, whose scale is not known: {', '.join(whole)}",
+            where=where,
+            remedy="save them in volts or in the channels' units as floating-point numbers, or with a unit beside them",
+        )
 
 
 def unit_beside(texts: Texts, key: str | None) -> str:
@@ -109,7 +123,8 @@ def usual_name(arrays: Arrays, key: str) -> str | None:
     """The name of the array that is usually called so."""
     usual = _USUAL.get(key, (key.lower(),))
     for last in (False, True):
-        names = [without_unit(name.rpartition(".")[2] if last else name).lower() for name in arrays]
+        bare = [without_unit(name.rpartition(".")[2] if last else name) for name in arrays]
+        names = [plain_name(name) if key in (RATE, STEP) else name.lower() for name in bare]
         for name in usual:
             if names.count(name) == 1:
                 return list(arrays)[names.index(name)]

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modallab.formats.csv.csv_cells import BLANKS, number, split
+from modallab.formats.time_names import RATES, STEPS, plain_name
 from modallab.formats.unit_text import (
     is_of_frequency,
     is_of_time,
@@ -24,8 +25,6 @@ _UNITS = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_OF_X = re.compile(r"^\W*(?:x|abscissa)?[\W_]*(?:axis)?[\W_]*(?:unit|einheit)s?$", re.IGNORECASE)
 _UNIT_OF_Y = re.compile(r"^\W*(?:y|ordinate|amplitude)[\W_]*(?:axis)?[\W_]*(?:unit|einheit)s?$", re.IGNORECASE)
 _PRODUCT = re.compile(r"\(?([^()]+)\)\(([^()]+)\)?")
-_STEP = re.compile(r"^(?:x[\W_]*axis[\W_]*)?(?:dt|delta[\W_]*[tx]?|increment|sampl\w*[\W_]*interval)$", re.IGNORECASE)
-_RATE = re.compile(r"^(?:fs|sampl\w*[\W_]*(?:rate|frequency)|abtastrate)$", re.IGNORECASE)
 _KIND = re.compile(r"^(?:data)?[\W_]*type$", re.IGNORECASE)
 WHOSE = re.compile(
     r"^(?:signal|channel|response|point|node|dof)(?:[\W_]*(?:names?|id|index|no|number))?$", re.IGNORECASE
@@ -50,6 +49,10 @@ class Facts:
     def of(self, key: re.Pattern[str]) -> tuple[str, ...]:
         """The values of the first fact with such a key that has any; () if there is none."""
         return next((fact.values for fact in self.all if fact.values and key.match(fact.key)), ())
+
+    def called(self, names: Sequence[str]) -> tuple[str, ...]:
+        """The same of the first fact whose key is one of these plain names."""
+        return next((fact.values for fact in self.all if fact.values and plain_name(fact.key) in names), ())
 
     @property
     def unit_of_x(self) -> str:
@@ -78,8 +81,8 @@ class Facts:
     @property
     def rate_hz(self) -> float | None:
         """The sampling rate, where one is said that is the same for all channels."""
-        steps = {_seconds(value) for value in self.of(_STEP)}
-        rates = {1 / step for step in steps if step} if steps else {_hertz(value) for value in self.of(_RATE)}
+        steps = {_seconds(value) for value in self.called(STEPS)}
+        rates = {1 / step for step in steps if step} if steps else {_hertz(value) for value in self.called(RATES)}
         return rates.pop() if len(rates) == 1 and None not in steps | rates else None
 
     @property
