@@ -45,6 +45,15 @@ def rows(between: str, columns: list[np.ndarray]) -> list[str]:
     return [between.join(f"{v:.9g}" for v in row) for row in np.array(columns).T]
 
 
+def test_a_rate_above_the_table_that_its_times_contradict_is_rejected(tmp_path: Path) -> None:
+    """Times in s under a heading that says ms: one of the two is wrong, and which one is not said."""
+    head = [f"Sample rate [Hz],{RATE_HZ:g},,", "time [ms],force [N],a1 [m/s^2],a2 [m/s^2]"]
+    text = "\n".join([*head, *rows(",", [T, *SAMPLES])]) + "\n"
+    with pytest.raises(DataError, match="times say 2e\\+06 Hz, and beside them stands a rate of 2000 Hz"):
+        read(tmp_path, text)
+    np.testing.assert_allclose(read(tmp_path, text.replace("[ms]", "[s]")).blocks[0].samples, SAMPLES)
+
+
 def read(folder: Path, *texts: str, rig: Rig = RIG) -> Campaign:
     paths = [folder / f"file{k}.txt" for k in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
@@ -54,6 +63,15 @@ def read(folder: Path, *texts: str, rig: Rig = RIG) -> Campaign:
 
 UNITS = ("N", "m/s^2", "m/s^2")
 RECORDS = {
+    "rows with a number that no name is above": "\n".join(
+        ['"time [s]" "force [N]" "a1 [m/s^2]" "a2 [m/s^2]"']
+        + [f'"{k}" {row}' for k, row in enumerate(rows(" ", [T, *SAMPLES]), start=1)]
+    )
+    + "\n",
+    "counts of a clock beside seconds": "\n".join(
+        ["time,seconds_elapsed,force,a1,a2", *rows(",", [1.7e18 + 1e9 * T, T, *SAMPLES])]
+    )
+    + "\n",
     "a function below each other": "".join(
         counted("s", "Real", name, unit, [T, row]) for name, unit, row in zip(NAMES, UNITS, SAMPLES, strict=True)
     ),

@@ -52,6 +52,8 @@ def polar(v: complex, turn: float = 180 / np.pi) -> list[str]:
 
 
 WAYS = {
+    "the force first": table("Channel name,force:a01,,force:a02,,force:a03,\nHz,Real,Imag,Real,Imag,Real,Imag", two),
+    "Italian": table("Frequenza [Hz]," + ",".join(f"Parte reale {n},Parte imm. {n}" for n in NAMES), two),
     "names above bare parts": table(
         "Signal,a01,,a02,,a03,\nFrequency (Hz),Real,Imaginary,Real,Imaginary,Real,Imaginary", two
     ),

@@ -306,7 +306,7 @@ def test_ordinates_of_an_unknown_type_are_reported(tmp_path: Path) -> None:
 def test_a_universal_file_that_is_none_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "report.uff"
     path.write_text("Measurement report\n")
-    assert "is no universal file: it does not begin with a line '    -1'" in rejected(FormatError, path)
+    assert "is no universal file: it has no line '    -1'" in rejected(FormatError, path)
 
 
 def test_sets_of_other_kinds_are_left_out_and_noted(tmp_path: Path) -> None:

@@ -40,7 +40,9 @@ def test_files_of_every_kind_stand_in_the_order_given(tmp_path: Path) -> None:
     ]
     read = import_sources(paths, RIG)
     assert [(b.name, b.order) for b in read.blocks] == [("b", 0), ("a", 1), ("c", 2), ("hit_1", 3)]
-    assert read.provenance == {"seed": "4", "sources": "b.npy\na.csv\nc.uff\nold.h5"}
+    bare = "no unit is written of force, a01, a02, a03: taken in N, m/s^2"
+    notes = f"b.npy: {bare}\na.csv: {bare}"
+    assert read.provenance == {"seed": "4", "sources": "b.npy\na.csv\nc.uff\nold.h5", "notes": notes}
     write_campaign(read, tmp_path / "new.h5")
     assert [b.name for b in read_campaign(tmp_path / "new.h5").blocks] == ["b", "a", "c", "hit_1"]
 
@@ -90,7 +92,7 @@ def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> No
         ("a.csv", b"  \n\n", "is empty"),
         ("a.npy", b"time,force\n0,1\n", "is no NPY file"),
         ("a.h5", b"time,force\n0,1\n", "is no HDF5 file"),
-        ("a.unv", b"time,force\n0,1\n", "is no universal file: it does not begin with a line '    -1'"),
+        ("a.unv", b"time,force\n0,1\n", "is no universal file: it has no line '    -1'"),
         ("a.mat", b"MATLAB 5.0\x00\x01\x02", "is no MATLAB file of version 4, 5 or 7.3"),
         ("a.xyz", b"any\x00\x01\x02", "is of no known kind"),
         ("a.npz", b"PK\x03\x04\x14\x00", "is no whole archive of NPY files"),

@@ -79,6 +79,15 @@ def test_every_legal_structure_gives_the_same_record(tmp_path: Path, make, slow:
     assert ("left out of group ambient: temperature (1 Hz)" in found.provenance.get("notes", "")) == slow
 
 
+def test_channels_without_a_rate_have_that_of_the_others_and_a_note_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "c.tdms"
+    objects = [channel(f"/'hit'/'{name}'", row, STEP if name == "force" else {}) for name, row in ROWS.items()]
+    path.write_bytes(segment(objects, b"".join(row.tobytes() for row in ROWS.values())))
+    found = import_sources([path], RIG)
+    assert found.blocks[0].rate_hz == RATE_HZ
+    assert "no rate is written of a01, a02, a03: taken at that of the others" in found.provenance["notes"]
+
+
 def test_a_rig_is_drafted_from_the_fast_group_or_from_the_one_that_is_chosen(tmp_path: Path) -> None:
     path = tmp_path / "c.tdms"
     path.write_bytes(SLOW + plain())

@@ -38,6 +38,7 @@ def padded(text: str) -> str:
 
 DIALECTS: dict[str, Callable[[str], str]] = {
     "plain": lambda t: t,
+    "words above the first mark": lambda t: f"exported by somebody\n{t}",
     "D": old_exponent,
     "d": lambda t: old_exponent(t).replace("D", "d"),
     "E": lambda t: t.replace("e+", "E+").replace("e-", "E-"),

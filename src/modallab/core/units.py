@@ -17,19 +17,29 @@ FRF_ESTIMATORS: tuple[FrfEstimator, ...] = get_args(FrfEstimator)
 STANDARD_GRAVITY = 9.80665
 
 TO_SI: dict[Quantity, dict[str, float]] = {
-    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
+    "force": {
+        "N": 1.0,
+        "kN": 1e3,
+        "MN": 1e6,
+        "daN": 10.0,
+        "mN": 1e-3,
+        "kgf": STANDARD_GRAVITY,
+        "lbf": 4.4482216152605,
+    },
     "acceleration": {
         "m/s^2": 1.0,
         "m/s2": 1.0,
         "m/s**2": 1.0,
+        "cm/s^2": 1e-2,
         "mm/s^2": 1e-3,
+        "um/s^2": 1e-6,
         "in/s^2": 0.0254,
         "ft/s^2": 0.3048,
         "g": STANDARD_GRAVITY,
         "mg": 1e-3 * STANDARD_GRAVITY,
     },
-    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "in/s": 0.0254, "ft/s": 0.3048},
-    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048},
+    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6, "in/s": 0.0254, "ft/s": 0.3048},
+    "displacement": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "mPa": 1e-3},
     "voltage": {"V": 1.0, "mV": 1e-3},
 }

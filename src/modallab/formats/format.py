@@ -32,8 +32,12 @@ PACKAGE = "modallab.formats.known"
 """Where they are declared, one module each."""
 _HEAD_BYTES = 4096
 _OTHERS = {b"\x1f\x8b": "a file compressed by gzip", b"BZh": "a file compressed by bzip2"}
-_OTHERS |= {b"PK\x03\x04": "a ZIP archive or a workbook", b"\xd0\xcf\x11\xe0": "a workbook of Excel before 2007"}
+_OTHERS |= {b"PK\x03\x04": "a ZIP archive or a workbook", b"{": "a JSON object, and no list of SEP005"}
+_OTHERS |= {b"\xd0\xcf\x11\xe0": "a compound document, as of Excel before 2007 or a scanning vibrometer"}
 _OTHERS |= {b"PAR1": "a Parquet file", b"ARROW1": "a Feather file", b"FEA1": "a Feather file", b"SQLite": "a database"}
+_OTHERS |= {b"MDF  ": "an MDF file", b"|CF,": "an imc FAMOS file", b"start of data": "an HDF file of HEAD acoustics"}
+_OTHERS |= {b"$TITLE": "a punch file of Nastran", b"fLaC": "a FLAC file", b"riff": "a Wave64 file"}
+_OTHERS |= {b"DIAEXTENDED": "a header of DIAdem, whose numbers stand in another file", b"IGOR": "an Igor text file"}
 """How files of other kinds begin that people have."""
 
 
@@ -176,9 +180,10 @@ def _of_content(head: bytes, path: Path) -> Format:
         for one in known:
             if one.certain == certain and one.fits is not None and one.fits(head, path):
                 return one
+        if other := next((what for mark, what in _OTHERS.items() if head.startswith(mark)), ""):
+            remedy = f"unpack it or save it as CSV; else {kinds}"
+            raise FormatError(f"is {other}, which is not read here", where=str(path), remedy=remedy)
         for one in known:
             if one.certain == certain and path.suffix.lower() in one.endings:
                 raise FormatError(f"is no {one.is_no}", where=str(path), remedy=kinds)
-    other = next((what for mark, what in _OTHERS.items() if head.startswith(mark)), "")
-    found = f"is {other}, which is not read here" if other else "is of no known kind"
-    raise FormatError(found, where=str(path), remedy=f"unpack it or save it as CSV; else {kinds}" if other else kinds)
+    raise FormatError("is of no known kind", where=str(path), remedy=kinds)

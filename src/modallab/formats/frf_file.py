@@ -18,6 +18,8 @@ from modallab.signals.conversion import sign_of
 
 _QUANTITY: dict[int, FrfQuantity] = {order: quantity for quantity, order in DERIVATIVES.items()}
 _ROUNDING = 1e-6
+OF_THE_RIG = "no unit is written of the FRFs: taken in those of the rig's channels"
+"""A note."""
 
 
 def assumed_factor(channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity, float]:

@@ -174,7 +174,7 @@ def _windowed(campaign: Campaign, options: ImportOptions) -> Campaign:
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     found = sniff(path)
     assert found.read is not None
-    campaign = found.read(path, rig, options)
+    campaign = _with_units(found.read(path, rig, options), options)
     if rig.shakers and not found.several_forces and any(block.test in BROADBAND for block in campaign.blocks):
         raise DataError(
             f"the rig has {1 + len(rig.shakers)} shakers, and {found.name} does not say which of them drove",
@@ -182,6 +182,20 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             remedy="import the campaign file (hdf5), or give a rig file with the shaker that drove alone",
         )
     return campaign
+
+
+def _with_units(campaign: Campaign, options: ImportOptions) -> Campaign:
+    """The campaign with the units of the rig, or V, where its file writes none, and a note that says so."""
+    rows = [list(zip(campaign.rig.channels, block.units, strict=True)) for block in campaign.blocks]
+    bare = {c.name: options.unit(c) for row in rows for c, unit in row if not unit}
+    if not bare:
+        return campaign
+    units = [tuple(unit or bare[c.name] for c, unit in row) for row in rows]
+    blocks = tuple(replace(block, units=own) for block, own in zip(campaign.blocks, units, strict=True))
+    taken = ", ".join(dict.fromkeys(bare.values()))
+    note = f"{Path(campaign.source).name}: no unit is written of {', '.join(bare)}: taken in {taken}"
+    notes = filter(None, (campaign.provenance.get("notes"), "" if options.volts else note))
+    return replace(campaign, blocks=blocks, provenance=campaign.provenance | {"notes": "\n".join(notes)})
 
 
 def _living(campaign: Campaign) -> Campaign:

@@ -88,12 +88,24 @@ class ImportOptions:
                 remedy="name a point of the rig, or add the point to the rig file",
             )
 
-    def of_times(self, found_hz: float, unit: str, where: str) -> float:
+    def of_times(self, found_hz: float, unit: str, where: str, beside_hz: float | None = None) -> float:
         """The rate in Hz that times say, as `agreed`; those without a unit are in s, if benches record at such rates.
 
+        Args:
+            found_hz: that the times say.
+            unit: of the times, "" where none is written.
+            where: file, for messages.
+            beside_hz: that the file says beside them, None if it says none.
+
         Raises:
-            DataError: no bench records so, or `agreed` rejects the rate.
+            DataError: no bench records so, `beside_hz` is another rate, or `agreed` rejects the rate.
         """
+        if beside_hz and self.rate_hz is None and abs(found_hz - beside_hz) > _AGREE * found_hz:
+            raise DataError(
+                f"its times say {found_hz:g} Hz, and beside them stands a rate of {beside_hz:g} Hz",
+                where=where,
+                remedy="give the one that holds with --rate if the times have it; else correct the file",
+            )
         lowest, highest = _RATES_HZ[self.test == "impact"], _FASTEST_HZ
         if not unit and self.rate_hz is None and not lowest <= found_hz <= highest:
             raise DataError(
@@ -173,22 +185,21 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def units_of(
-    channels: Sequence[Channel], beside: Sequence[str], elsewhere: Iterable[str], options: ImportOptions, where: str
+    channels: Sequence[Channel], beside: Sequence[str], elsewhere: Iterable[str], where: str
 ) -> tuple[str, ...]:
-    """The unit of each channel: the one beside it, else the one that the file has for its quantity, else the rig's.
+    """The unit of each channel: the one beside it, else the one that the file has for its quantity; else "".
 
     Args:
         channels: of the rig.
         beside: by channel, "" where the file has none.
         elsewhere: what else in the file may be a unit, such as a list that does not say whose each is.
-        options: what the file does not say.
         where: file, for messages.
 
     Raises:
         DataError: the file has several for one quantity, and does not say whose each is.
     """
     known = {normal_unit(text) for text in elsewhere}
-    return tuple(b or _of_quantity(c, known, where) or options.unit(c) for b, c in zip(beside, channels, strict=True))
+    return tuple(b or _of_quantity(c, known, where) for b, c in zip(beside, channels, strict=True))
 
 
 def _of_quantity(channel: Channel, known: Collection[str], where: str) -> str:

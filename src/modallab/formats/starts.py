@@ -1,7 +1,7 @@
 """Channels of one record that begin at different times, brought onto the stretch of time that all of them cover."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from fractions import Fraction
@@ -15,6 +15,8 @@ from modallab.signals.alignment import HALF, align_channels
 
 _WHOLE = 1e-3
 """Share of a sample within which channels stand whole samples apart: 0.04 degrees at a tenth of the rate."""
+_SAME_RATE = 1e-9
+"""Relative, of rates that are one."""
 _COARSE = 0.25
 """Share of a sample to which starts must be known to say which sample belongs to which."""
 _APART = "export channels that were recorded together, over the same time"
@@ -64,6 +66,31 @@ def start_of_text(text: str, where: str) -> Start:
     since = moment.replace(tzinfo=UTC) - datetime(1970, 1, 1, tzinfo=UTC) - (moment.utcoffset() or timedelta())
     whole = since.total_seconds()
     return Start(Fraction(int(whole)) + Fraction(int(digits or 0), 10 ** len(digits)), 0.5 * 10.0 ** -len(digits))
+
+
+def one_rate(rates_hz: Mapping[str, float | None], where: str) -> float | None:
+    """The rate of one record, of what its channels say by name; None where none says it.
+
+    Raises:
+        DataError: they differ.
+    """
+    said = [rate for rate in rates_hz.values() if rate]
+    if any(abs(rate - said[0]) > _SAME_RATE * said[0] for rate in said):
+        text = ", ".join(f"{name} {f'{rate:g} Hz' if rate else 'unknown'}" for name, rate in rates_hz.items())
+        raise DataError(
+            f"the channels differ in rate: {text}",
+            where=where,
+            remedy="export channels of one rate, or leave some out with --ignore",
+        )
+    return said[0] if said else None
+
+
+def rate_note(rates_hz: Mapping[str, float | None]) -> str:
+    """Which channels say no rate and are taken at that of the others; "" for none."""
+    bare = [name for name, rate in rates_hz.items() if not rate]
+    return (
+        f"no rate is written of {', '.join(bare)}: taken at that of the others" if 0 < len(bare) < len(rates_hz) else ""
+    )
 
 
 def cut_to_common_time(

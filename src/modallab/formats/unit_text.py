@@ -18,10 +18,8 @@ _ALIASES = {
     "g's": "g",
     "Gs": "g",
     **dict.fromkeys(("lb", "Lb", "LBF", "lbs", "pounds", "Pounds"), "lbf"),
-    "µm": "um",
-    "μm": "um",
-    "µs": "us",
-    "μs": "us",
+    "kp": "kgf",
+    "Gal": "cm/s^2",
     "Volt": "V",
     "Volts": "V",
     "volt": "V",
@@ -49,7 +47,7 @@ _FRF_OF: dict[Quantity, FrfQuantity] = {
 }
 
 
-_RAISED = str.maketrans({"⁻": "-", "¹": "1", "³": "^3"})
+_RAISED = str.maketrans({"⁻": "-", "¹": "1", "³": "^3", "µ": "u", "μ": "u"})
 _SECONDS = re.compile(r"(?<![a-z])([mun]?)sec(?:ond)?s?(?=[^a-z]|$)", re.IGNORECASE)
 _SQUARED = re.compile(r"/s(?:/s|2)(?=[^\w^]|$)")
 _PER = re.compile(r"\s*[·⋅*. ]\s*([A-Za-z]+)\^?-\^?(\d)")

@@ -11,7 +11,18 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.formats.arrays.array_map import REMEDY, ArrayMap, array_named, listed
 from modallab.formats.arrays.channel_times import channel_times
-from modallab.formats.arrays.named import FREQUENCY, FRF, RATE, TIME, Arrays, Texts, find_usual, owner_of, unit_beside
+from modallab.formats.arrays.named import (
+    FREQUENCY,
+    FRF,
+    RATE,
+    STEP,
+    TIME,
+    Arrays,
+    Texts,
+    find_usual,
+    owner_of,
+    unit_beside,
+)
 from modallab.formats.draft import FORCE_NAMES, MEASURED, DraftChannel, rig_of
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
@@ -33,7 +44,7 @@ def draft_arrays(
     """
     if array_map is not None:
         return _of_map(arrays, array_map, path)
-    found = {key: find_usual(arrays, key) for key in (FREQUENCY, FRF, TIME, RATE)}
+    found = {key: find_usual(arrays, key) for key in (FREQUENCY, FRF, TIME, RATE, STEP)}
     frf, frequency = found[FRF], found[FREQUENCY]
     if frf is not None and frequency is not None:
         names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path, drive_point) + 1)]
@@ -44,7 +55,7 @@ def draft_arrays(
         return rig_of(
             [DraftChannel(n.rpartition(".")[2], quantity_of(units[k]), units[k]) for k, n in own.items()], path
         )
-    if found[TIME] is None and found[RATE] is None:
+    if all(found[key] is None for key in (TIME, RATE, STEP)):
         raise _unclear("says neither frequency and FRF nor time or rate", arrays, path)
     return rig_of(_channels(arrays, texts, found, path), path)
 
@@ -94,7 +105,7 @@ def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: P
 
 def _channels(arrays: Arrays, texts: Texts, found: dict[str, NDArray[Any] | None], path: Path) -> list[DraftChannel]:
     """A channel for every array as long as the record, and for every column of one that is."""
-    of_time = {id(found[TIME]), id(found[RATE])}
+    of_time = {id(found[key]) for key in (TIME, RATE, STEP)}
     held = {name: a for name, a in arrays.items() if id(a) not in of_time and a.size > 1 and a.dtype.kind in "fiu"}
     time = found[TIME]
     n = time.size if time is not None and time.size > 1 else max((max(a.shape) for a in held.values()), default=0)

@@ -14,13 +14,10 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_rate, check_time
 from modallab.core.errors import DataError
 from modallab.formats.starts import Start, start_of
+from modallab.formats.time_names import RATES, STARTS, STEPS, TIMES, plain_name
 
 Arrays = Mapping[str, NDArray[Any]]
 
-TIME_NAMES = ("time", "t", "times", "time_s")
-RATE_NAMES = ("rate", "fs", "sample_rate", "sampling_rate", "samplerate", "samplefrequency", "sample_frequency")
-STEP_NAMES = ("dt", "ts", "increment", "step", "time_step", "x_increment", "deltat", "delta_t")
-START_NAMES = ("t0", "start", "start_time", "starttime", "start_s", "tstart", "t_start", "start_value", "x0")
 _DAYS = (6e5, 9e5)
 """Dates as MATLAB counts them, in days since the year 0."""
 
@@ -46,13 +43,13 @@ def channel_times(arrays: Arrays, key: str, n: int, where: str) -> ChannelTimes:
         DataError: times that are uneven or not as many as samples, a rate that is none, or two that disagree.
     """
     place = f"{where}, {key}"
-    own = _beside(arrays, key, TIME_NAMES)
+    own = _beside(arrays, key, TIMES)
     if own is not None and own.size > 1:
         times = np.ravel(own)
         if times.size != n:
             raise DataError(f"has {times.size} times and {n} samples", where=place, remedy="export both together")
         return ChannelTimes(check_time(times, f"{place}, times"), start_of(float(times[0]), timed=True))
-    rate, step, start = (_number(arrays, key, names) for names in (RATE_NAMES, STEP_NAMES, START_NAMES))
+    rate, step, start = (_number(arrays, key, names) for names in (RATES, STEPS, STARTS))
     if step is not None and rate is None:
         rate = 1 / step if step > 0 else 0.0
     if start is not None and _DAYS[0] < start < _DAYS[1]:
@@ -70,11 +67,10 @@ def _beside(arrays: Arrays, key: str, names: tuple[str, ...]) -> NDArray[Any] | 
     """The one array of such a name: an attribute of `key`, in its structure or the one around, or called after it."""
     parent, _, last = key.lower().rpartition(".")
     lowered = {name.lower(): name for name in arrays}
-    affixed = [f"{last}_{name}" for name in names] + [f"{name}_{last}" for name in names]
-    inside = [lowered[low] for low in affixed if low in lowered]
+    affixed = {low: {low.removeprefix(f"{last}_"), low.removesuffix(f"_{last}")} - {low} for low in lowered}
+    inside = [lowered[low] for low, parts in affixed.items() if any(plain_name(part) in names for part in parts)]
     for around in (key.lower(), parent, parent.rpartition(".")[0]):
         if around and not inside:
-            inside = [
-                n for low, n in lowered.items() if low.startswith(f"{around}.") and low.rpartition(".")[2] in names
-            ]
+            own = {name: low.rpartition(".")[2] for low, name in lowered.items() if low.startswith(f"{around}.")}
+            inside = [name for name, low in own.items() if plain_name(low) in names]
     return arrays[inside[0]] if len(inside) == 1 else None

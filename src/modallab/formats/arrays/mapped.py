@@ -15,7 +15,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.block_facts import facts_or_options
-from modallab.formats.frf_file import assumed_factor, rising, share_of_one, turned
+from modallab.formats.frf_file import OF_THE_RIG, assumed_factor, rising, share_of_one, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 
@@ -35,7 +35,8 @@ def campaign_of_map(
         DataError: arrays that are missing, or of other shapes, units or channels than the map and the rig say.
     """
     if array_map.frf:
-        return Campaign(rig, (), (_frf(arrays, array_map, rig, options, where),), source=where)
+        said = {} if array_map.unit else {"notes": f"{name}: {OF_THE_RIG}"}
+        return Campaign(rig, (), (_frf(arrays, array_map, rig, options, where),), said, where)
     return Campaign(rig, tuple(_blocks(arrays, array_map, name, rig, options, where)), source=where)
 
 
@@ -150,7 +151,8 @@ def _blocks(
         force = in_order(values, axes, ("records", "samples"), {"records": records, "samples": n}, where)
     place = {c.name: k for k, c in enumerate(rig.responses)}
     rate = _rate(arrays, array_map, options, n, where)
-    units = [_unit(array_map, c, options) for c in rig.channels]
+    force_unit, unit = normal_unit(array_map.force_unit), normal_unit(array_map.response_unit)
+    units = [force_unit if c.quantity == "force" else unit for c in rig.channels]
     for k in range(records):
         rows = [force[k] if c.quantity == "force" and force is not None else responses[k, place[c.name]]
                 for c in rig.channels]  # fmt: skip
@@ -219,8 +221,3 @@ def _rate(arrays: Arrays, array_map: ArrayMap, options: ImportOptions, n: int, w
     else:
         raise DataError("says neither times nor a rate", where=where, remedy="write time or rate_hz into the map")
     return options.agreed(own, where)
-
-
-def _unit(array_map: ArrayMap, channel: Channel, options: ImportOptions) -> str:
-    own = array_map.force_unit if channel.quantity == "force" else array_map.response_unit
-    return normal_unit(own) or options.unit(channel)

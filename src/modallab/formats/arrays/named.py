@@ -11,11 +11,12 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, listed
-from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
+from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
-from modallab.formats.starts import cut_to_common_time
+from modallab.formats.starts import cut_to_common_time, one_rate, rate_note
+from modallab.formats.time_names import RATES, STEPS, plain_name
 from modallab.formats.unit_text import normal_unit, unit_in_name, without_unit
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -25,8 +26,8 @@ Texts = Mapping[str, tuple[str, ...]]
 TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
     TIME: ("time", "t", "timestamps"),
-    RATE: RATE_NAMES,
-    STEP: STEP_NAMES,
+    RATE: RATES,
+    STEP: STEPS,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
@@ -43,8 +44,6 @@ _FRF_AXES: tuple[tuple[Axis, ...], ...] = (
     ("inputs", "lines", "outputs"),
 )
 """Ways round that FRFs may stand; of those that fit the first is taken."""
-_SAME_RATE = 1e-3
-"""Relative: times may be written with few digits."""
 _SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
 """Fields of a channel's own structure that hold its samples."""
 
@@ -70,9 +69,9 @@ def campaign_of_arrays(
         return campaign_of_map(arrays, array_map, name, rig, options, where)
     found = {key: _find(arrays, key, options, where) for key in (TIME, RATE, STEP)}
     samples, rate, note = _record(arrays, found, rig, options, where)
-    block = facts_or_options(None, name, rate, options).block(
-        samples, _units(rig, arrays, texts or {}, options, where), rig
-    )
+    units = _units(rig, arrays, texts or {}, options, where)
+    _require_scales(arrays, units, rig, options, where)
+    block = facts_or_options(None, name, rate, options).block(samples, units, rig)
     return Campaign(rig, (block,), provenance={"notes": f"{name}: {note}"} if note else {}, source=where)
 
 
@@ -86,7 +85,20 @@ def _units(rig: Rig, arrays: Arrays, texts: Texts, options: ImportOptions, where
     apart = {key: rows for key, rows in texts.items() if key.lower() not in owned}
     elsewhere = [row for key, rows in apart.items() if "unit" in key.rpartition(".")[2].lower() for row in rows]
     beside = [unit_beside(texts, _key(arrays, c.name, options)) for c in rig.channels]
-    return units_of(rig.channels, beside, elsewhere, options, where)
+    return units_of(rig.channels, beside, elsewhere, where)
+
+
+def _require_scales(arrays: Arrays, units: tuple[str, ...], rig: Rig, options: ImportOptions, where: str) -> None:
+    """Reject whole numbers without a unit: they are counts of a converter, and what one of them is nothing says."""
+    keys = {c.name: _key(arrays, c.name, options) for c, unit in zip(rig.channels, units, strict=True) if not unit}
+    kinds = {n: array_named(arrays, key, where).dtype for n, key in keys.items() if key and not options.volts}
+    whole = [f"{name} ({kind})" for name, kind in kinds.items() if kind.kind in "iu"]
+    if whole:
+        raise DataError(
+            f"holds whole numbers without a unit, whose scale is not known: {', '.join(whole)}",
+            where=where,
+            remedy="save them in volts or in the channels' units as floating-point numbers, or with a unit beside them",
+        )
 
 
 def unit_beside(texts: Texts, key: str | None) -> str:
@@ -111,7 +123,8 @@ def usual_name(arrays: Arrays, key: str) -> str | None:
     """The name of the array that is usually called so."""
     usual = _USUAL.get(key, (key.lower(),))
     for last in (False, True):
-        names = [without_unit(name.rpartition(".")[2] if last else name).lower() for name in arrays]
+        bare = [without_unit(name.rpartition(".")[2] if last else name) for name in arrays]
+        names = [plain_name(name) if key in (RATE, STEP) else name.lower() for name in bare]
         for name in usual:
             if names.count(name) == 1:
                 return list(arrays)[names.index(name)]
@@ -140,18 +153,15 @@ def _record(
         return samples, _rate(found, options, samples.shape[1], where), ""
     rows = [_row(array_named(arrays, key, where), key, where) for key in keys.values() if key is not None]
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
-    rates = {one.rate_hz for one in own}
-    if len(rates) > 1:
-        text = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
-        raise DataError(f"the channels differ in rate: {text}", where=where, remedy="export channels of one rate")
-    rate = options.agreed(rates.pop() or _rate(found, options, rows[0].size, where), where)
+    said = {name: one.rate_hz for name, one in zip(names, own, strict=True)}
+    rate = options.agreed(one_rate(said, where) or _rate(found, options, rows[0].size, where), where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
         found_ = f"says when other channels begin, and nothing of {without}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = cut_to_common_time([_real(row, where) for row in rows], starts, rate, names, where)
-    return samples, rate, note
+    return samples, rate, "; ".join(filter(None, (rate_note(said), note)))
 
 
 def _row(values: NDArray[Any], key: str, where: str) -> NDArray[Any]:
@@ -209,8 +219,8 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
         rate = 1 / np.where(step > 0, step, np.inf)
     if times is not None and times.size == n:
         own = check_time(np.ravel(times), f"{where}, times")
-        _require_one(own, rate, options, where)
-        return options.of_times(own, "", where)
+        beside = rate if rate is not None and rate.size == 1 and TIME not in dict(options.variables) else own
+        return options.of_times(own, "", where, float(np.ravel(beside)[0]))
     if rate is not None and rate.size == 1:
         own = check_rate(float(np.ravel(rate)[0]), where)
     elif options.rate_hz is not None:
@@ -220,17 +230,6 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
             "says neither times nor a rate", where=where, remedy="give the rate with --rate, or --variable time=NAME"
         )
     return options.agreed(own, where)
-
-
-def _require_one(own: float, rate: NDArray[Any] | None, options: ImportOptions, where: str) -> None:
-    """Reject a file whose times and rate contradict each other, unless it was said which holds."""
-    other = own if rate is None or rate.size != 1 else float(np.ravel(rate)[0])
-    if abs(other / own - 1) > _SAME_RATE and TIME not in dict(options.variables):
-        raise DataError(
-            f"its times say {own:g} Hz, its rate {other:g} Hz",
-            where=where,
-            remedy="say that the times hold, with --variable time=NAME, or correct the file",
-        )
 
 
 def _map_of_frf(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> ArrayMap | None:

@@ -54,11 +54,7 @@ def read_rattlesnake(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     rows = {channel.name: samples[place] for channel, place in zip(rig.channels, places, strict=True)}
     campaign = campaign_of_arrays({**rows, RATE: rate}, path.stem, rig, options, str(path))
     units = tuple(normal_unit(table["unit"][place]) for place in places)
-    blocks = tuple(
-        replace(b, units=tuple(own or other for own, other in zip(units, b.units, strict=True)))
-        for b in campaign.blocks
-    )
-    return replace(campaign, blocks=blocks)
+    return replace(campaign, blocks=tuple(replace(block, units=units) for block in campaign.blocks))
 
 
 def _row_of(channel: Channel, table: Mapping[str, Sequence[str]], rig: Rig, where: str) -> int:

@@ -15,6 +15,7 @@ from modallab.formats.arrays.arrays_draft import draft_arrays
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.arrays.named import (
     FREQUENCY,
+    STEP,
     TIME,
     Arrays,
     Texts,
@@ -30,6 +31,11 @@ from modallab.formats.unit_text import is_of_frequency, is_of_time, to_hertz, to
 
 _STANDARD = ("scale_factor", "add_offset")
 """As the CF conventions of netCDF call them: numbers times the one, plus the other."""
+_UNITS_OF = (
+    (TIME, is_of_time, to_seconds),
+    (STEP, is_of_time, to_seconds),
+    (FREQUENCY, is_of_frequency, to_hertz),
+)
 _UNCLEAR = ("gain", "scale", "factor", "slope", "lsb", "multiplier")
 
 
@@ -65,7 +71,7 @@ def _abscissae(arrays: Arrays, texts: Texts, options: ImportOptions) -> Arrays:
     found, said = dict(arrays), dict(options.variables)
     for key, values in arrays.items():
         unit = unit_beside(texts, key).partition(" since ")[0] or key.rpartition("_")[2]
-        for what, is_of, factor in ((TIME, is_of_time, to_seconds), (FREQUENCY, is_of_frequency, to_hertz)):
+        for what, is_of, factor in _UNITS_OF:
             if is_of(unit) and factor(unit) != 1 and (said.get(what) == key or usual_name({key: values}, what)):
                 found[key] = values * factor(unit)
     return found

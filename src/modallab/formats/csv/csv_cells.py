@@ -28,6 +28,7 @@ _THOUSANDS = re.compile(r"(?<=\d)['’\u00a0\u2009\u202f](?=\d{3}(?!\d))")
 """Marks between digits that stand between thousands and nowhere else."""
 _BLANK_THOUSANDS = re.compile(r"(?<=\d) (?=\d{3}(?!\d))")
 _BETWEEN = "\t"
+_WORDS = re.compile(r'"[^"]*"|\S+')
 _POINT_AFTER, _COMMA_AFTER = re.compile(r"\d,\d{3}\.\d"), re.compile(r"\d\.\d{3},\d")
 _MARKED = {mark: re.compile(rf"\d+(?:[{mark}]\d+)+(?:[eE][+-]?\d+)?") for mark in ",."}
 """Numbers with a mark, and those of them in which it may stand between thousands."""
@@ -58,7 +59,7 @@ def split(line: str, delimiter: str) -> list[str]:
         FormatError: a cell is longer than any number or name.
     """
     if delimiter == BLANKS:
-        return line.split()
+        return [cell.strip('"') for cell in _WORDS.findall(line)] if '"' in line else line.split()
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     try:

@@ -9,18 +9,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modallab.formats.csv.csv_cells import BLANKS, number, split
-from modallab.formats.unit_text import is_of_frequency, is_of_time, is_unit, normal_unit, quantity_of, to_seconds
+from modallab.formats.time_names import RATES, STEPS, plain_name
+from modallab.formats.unit_text import (
+    is_of_frequency,
+    is_of_time,
+    is_unit,
+    name_and_unit,
+    normal_unit,
+    quantity_of,
+    to_seconds,
+)
 
 _MARK = re.compile(r"\s*[:=]\s*|\t\s*")
 _UNITS = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_OF_X = re.compile(r"^\W*(?:x|abscissa)?[\W_]*(?:axis)?[\W_]*(?:unit|einheit)s?$", re.IGNORECASE)
 _UNIT_OF_Y = re.compile(r"^\W*(?:y|ordinate|amplitude)[\W_]*(?:axis)?[\W_]*(?:unit|einheit)s?$", re.IGNORECASE)
 _PRODUCT = re.compile(r"\(?([^()]+)\)\(([^()]+)\)?")
-_STEP = re.compile(r"^(?:x[\W_]*axis[\W_]*)?(?:dt|delta[\W_]*[tx]?|increment|sampl\w*[\W_]*interval)$", re.IGNORECASE)
-_RATE = re.compile(r"^(?:fs|sampl\w*[\W_]*(?:rate|frequency)|abtastrate)$", re.IGNORECASE)
 _KIND = re.compile(r"^(?:data)?[\W_]*type$", re.IGNORECASE)
-_WHOSE = re.compile(
-    r"^(?:signal|channel|response|point|node|dof)(?:[\W_]*(?:name|id|index|no|number))?$", re.IGNORECASE
+WHOSE = re.compile(
+    r"^(?:signal|channel|response|point|node|dof)(?:[\W_]*(?:names?|id|index|no|number))?$", re.IGNORECASE
 )
 _WITH_UNIT = re.compile(r"^(?P<number>[-+.,\deE]+)\s*(?P<unit>\D*)$")
 
@@ -42,6 +49,10 @@ class Facts:
     def of(self, key: re.Pattern[str]) -> tuple[str, ...]:
         """The values of the first fact with such a key that has any; () if there is none."""
         return next((fact.values for fact in self.all if fact.values and key.match(fact.key)), ())
+
+    def called(self, names: Sequence[str]) -> tuple[str, ...]:
+        """The same of the first fact whose key is one of these plain names."""
+        return next((fact.values for fact in self.all if fact.values and plain_name(fact.key) in names), ())
 
     @property
     def unit_of_x(self) -> str:
@@ -70,8 +81,8 @@ class Facts:
     @property
     def rate_hz(self) -> float | None:
         """The sampling rate, where one is said that is the same for all channels."""
-        steps = {_seconds(value) for value in self.of(_STEP)}
-        rates = {1 / step for step in steps if step} if steps else {_hertz(value) for value in self.of(_RATE)}
+        steps = {_seconds(value) for value in self.called(STEPS)}
+        rates = {1 / step for step in steps if step} if steps else {_hertz(value) for value in self.called(RATES)}
         return rates.pop() if len(rates) == 1 and None not in steps | rates else None
 
     @property
@@ -82,12 +93,12 @@ class Facts:
     @property
     def whose(self) -> str:
         """The channel or the point that the numbers are of, "" where none is said."""
-        return next(iter(self.of(_WHOSE)), "")
+        return next(iter(self.of(WHOSE)), "")
 
     def titles(self) -> dict[str, str]:
         """By key what may say whose FRFs a table holds, the last title first."""
         found = {"": next((fact.values[0] for fact in reversed(self.all) if not fact.key and fact.values), "")}
-        return found | {fact.key: fact.values[0] for fact in self.all if fact.values and _WHOSE.match(fact.key)}
+        return found | {fact.key: fact.values[0] for fact in self.all if fact.values and WHOSE.match(fact.key)}
 
 
 def facts_of(lines: Sequence[str], delimiter: str) -> Facts:
@@ -100,7 +111,10 @@ def facts_of(lines: Sequence[str], delimiter: str) -> Facts:
             values = _parts(rest.pop(0), delimiter)
         elif not values:
             key, values = "", [key]
-        found.append(Fact(key.rstrip(" :="), tuple(value for value in values if value)))
+        name, unit = name_and_unit(key.rstrip(" :="))
+        behind = f" {unit}" if is_of_time(unit) or is_of_frequency(unit) else ""
+        key = name if behind else key.rstrip(" :=")
+        found.append(Fact(key, tuple(value + behind for value in values if value)))
     return Facts(tuple(found))
 
 
@@ -114,7 +128,7 @@ def names_by_facts(facts: Facts, columns: Sequence[Sequence[str]]) -> tuple[tupl
         columns: their cells.
     """
     unit = facts.unit_of_x
-    counts = len(columns) > 2 and all(number(cell) == k for k, cell in enumerate(columns[0], start=1))
+    counts = len(columns) > 2 and counts_rows(columns[0])
     filled = [k for k, cells in enumerate(columns) if any(cells) and not (counts and k == 0)]
     parts = ("Re ", "Im ") if facts.are_complex else ("",)
     if not unit or len(filled) != 1 + len(parts) or (facts.are_complex and not is_of_frequency(unit)):
@@ -124,6 +138,12 @@ def names_by_facts(facts: Facts, columns: Sequence[Sequence[str]]) -> tuple[tupl
     for place, part in zip(filled[1:], parts, strict=True):
         names[place], units[place] = f"{part}{facts.whose}".strip() or "value", facts.unit_of_y
     return tuple(names), tuple(units)
+
+
+def counts_rows(cells: Sequence[str]) -> bool:
+    """Whether a column, which is then no channel, holds the number of each row, from 0 or 1."""
+    first = number(cells[0])
+    return first in (0, 1) and all(number(cell) == k for k, cell in enumerate(cells, start=int(first)))
 
 
 def _parts(line: str, delimiter: str) -> list[str]:

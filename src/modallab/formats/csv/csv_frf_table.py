@@ -40,6 +40,11 @@ class Column:
     real: Real
     imaginary: Real | None
 
+    @property
+    def is_bare(self) -> bool:
+        """Whether it holds sizes without a unit."""
+        return not self.heading.unit and self.heading.part in ("re", "magnitude", "complex")
+
 
 def holds_frfs(table: Table) -> bool:
     """Whether a table is one of FRFs: its first column is a frequency, or it holds complex numbers."""

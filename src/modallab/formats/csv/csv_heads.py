@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from modallab.core.errors import DataError
 from modallab.formats.csv.csv_cells import head_cells, is_number
-from modallab.formats.csv.csv_facts import Facts
+from modallab.formats.csv.csv_facts import WHOSE, Facts
 from modallab.formats.unit_text import is_of_frequency, is_of_time, is_unit, name_and_unit, normal_unit, quantity_of
 
 _LETTER = re.compile(r"[^\W_]")
@@ -64,7 +64,8 @@ def _with_abscissa(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
 def _distinct(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
     """The line of the names; where they repeat, each behind the cell above it, which may be merged over several."""
     row = rows[place]
-    for above in reversed(rows[:place] if not _are_names(row) else ()):
+    nearest = reversed(rows[:place] if not _are_names(row) else ())
+    for above in sorted(nearest, key=lambda one: not WHOSE.match(one[0])):
         over = [next(filter(None, reversed(above[: k + 1])), "") for k in range(len(row))]
         joined = [row[0], *(f"{said} {cell}".strip() for said, cell in zip(over[1:], row[1:], strict=True))]
         if _are_names(joined) and not any(map(is_number, above)):
@@ -147,10 +148,15 @@ def abscissa(names: Sequence[str], units: Sequence[str]) -> int | None:
 
 def time_column(names: Sequence[str], units: Sequence[str]) -> int | None:
     """The place of the column of times, by its name, or as the first one by its unit; None if there is none."""
-    said = units or ("",) * len(names)
-    pairs = list(zip(names, said, strict=True))
-    named = (k for k, (name, unit) in enumerate(pairs) if is_time_name(name) and not quantity_of(unit))
-    return next(named, 0 if is_of_time(said[0]) else None)
+    pairs = list(zip(names, units or ("",) * len(names), strict=True))
+    named = [k for k, (name, unit) in enumerate(pairs) if is_time_name(name) and not quantity_of(unit)]
+    # Of several the first whose unit is known: whole numbers beside seconds may count anything.
+    return next(iter(sorted(named, key=lambda k: not unit_of_time(*pairs[k]))), 0 if is_of_time(pairs[0][1]) else None)
+
+
+def unit_of_time(name: str, unit: str) -> str:
+    """The unit of a column of times, perhaps a word of its name, as in time_us or seconds_elapsed; "" for none."""
+    return unit or next(filter(is_of_time, re.findall(r"[^\W\d_]+", name)), "")
 
 
 def is_time_name(name: str) -> bool:

@@ -14,11 +14,12 @@ from modallab.core.units import Quantity
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import columns_of, frf_of_table, holds_frfs
-from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
+from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column, unit_of_time
 from modallab.formats.csv.csv_join import records_of, side_by_side
 from modallab.formats.csv.csv_table import Table, read_tables
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
 from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
+from modallab.formats.frf_file import OF_THE_RIG
 from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.unit_text import frf_unit, quantity_of, to_seconds
 
@@ -43,7 +44,8 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     if is_frf(table) or holds_frfs(table):
         table = side_by_side(tables, where)
         frf = frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
-        return Campaign(rig, (), (frf,), _provenance(path, [table.note]), where)
+        bare = not is_frf(table) and any(c.is_bare for c in columns_of(table, rig, where))
+        return Campaign(rig, (), (frf,), _provenance(path, [table.note, OF_THE_RIG * bare]), where)
     tables = records_of(tables, where)
     names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
     found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
@@ -82,7 +84,7 @@ def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: 
     units = [table.units[place] if table.units else "" for place in order]
     facts = facts_or_options(read_facts(table.remark, where), name, rate, options)
     samples = np.ascontiguousarray(table.values[:, order].T)
-    block = facts.block(samples, units_of(rig.channels, units, table.elsewhere, options, where), rig)
+    block = facts.block(samples, units_of(rig.channels, units, table.elsewhere, where), rig)
     notes = [f"columns {', '.join(left)} are no channels of the rig, and left out"] if left else []
     if time is None and options.rate_hz is None:
         notes.append(f"the rate of {rate:g} Hz is that of the lines above the table")
@@ -144,11 +146,11 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
                 remedy="add a column named time, or give the rate with --rate",
             )
         return check_rate(said, where)
-    unit = table.units[time] if table.units else ""
+    unit = unit_of_time(names[time], table.units[time] if table.units else "")
     factor = to_seconds(unit, f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
-    return options.of_times(rate, unit, f"{where}, column {names[time]}")
+    return options.of_times(rate, unit, f"{where}, column {names[time]}", table.facts.rate_hz)
 
 
 def draft_csv(path: Path, options: ImportOptions) -> Rig:

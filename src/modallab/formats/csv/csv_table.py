@@ -13,7 +13,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import FormatError
 from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
 from modallab.formats.csv.csv_cells import complex_number, head_cells, is_number, split
-from modallab.formats.csv.csv_facts import Facts, facts_of, names_by_facts
+from modallab.formats.csv.csv_facts import Facts, counts_rows, facts_of, names_by_facts
 from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, parse_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
@@ -164,6 +164,9 @@ def _columns(text: TextTable, facts: Facts, where: str, said: str) -> tuple[list
         lines = _texts(text.above), _texts(text.commented)
         names, units = headings(*lines, text.delimiter, len(cells), filled, facts)
         names, units = (names, units) if names else names_by_facts(facts, cells)
+        if not names and len(cells) > 2 and counts_rows(cells[0]):
+            names, units = headings(*lines, text.delimiter, len(cells) - 1, filled - 1, facts)
+            names, units = (("", *names), ("", *units)) if names else ((), ())
         if not names and len(cells) > len(text.rows):
             raise _transposed(text, where)
         if not names and text.above:

@@ -1,6 +1,7 @@
 """What the heading of a column of FRFs says: which part of a complex number, of which response to which force."""
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,24 +14,28 @@ from modallab.formats.unit_text import frf_unit, normal_unit
 Part = Literal["re", "im", "magnitude", "phase", "coherence", "complex"]
 
 _WORDS: dict[Part, str] = {
-    "re": r"re|real|realteil|reell|réel|reel|reale",
-    "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil|imaginaire|immaginaria",
-    "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|module|modulus|módulo|modulo|betrag",
-    "phase": r"ph|phi|phase|arg|angle|ang|winkel|fase",
-    "coherence": r"coh|coherence|koh(?:ä|ae)renz|(?:γ|gamma)\s?(?:²|\^?2)?",
+    "re": r"re|(?:real|reell|réel|reel)L",
+    "im": r"imm?|imm?agL",
+    "magnitude": r"gain|(?:mag|amp|abs|m[oó]dul|betrag|level|pegel|niveau|nivel|livello)L",
+    "phase": r"ph|phi|(?:phas|fas|arg|ang|winkel)L",
+    "coherence": r"(?:coh|koh|coer)L|(?:γ|gamma)\s?(?:²|\^?2)?",
 }
+"""How the words of several languages begin; L stands for the letters that follow."""
+_WORDS = {part: words.replace("L", r"[^\W\d_]*") for part, words in _WORDS.items()}
 _ANY = "|".join(_WORDS.values())
 _FIRST = re.compile(
-    rf"^(?P<part>{_ANY})(?:[ _]?(?:part|angle))?(?:(?:[\s_(:.{{]|$)\s*(?:of )?(?P<rest>.*?)[)}}]?)?$", re.I
+    rf"^(?:part[ei]e? )?(?P<part>{_ANY})(?:[ _]?(?:part|angle))?(?:(?:[\s_(:.{{]|$)\s*(?:of )?(?P<rest>.*?)[)}}]?)?$",
+    re.I,
 )
 _LAST = re.compile(rf"^(?P<rest>.*?)[\s_:.(]+(?P<part>{_ANY})(?:[ _]?(?:part|angle))?\)?$", re.I)
-_BARS = re.compile(r"^\|(?P<rest>.*)\|$")
+_SIGNS: dict[Part, re.Pattern[str]] = {"magnitude": re.compile(r"^\|(.*)\|$"), "phase": re.compile(r"^[∠∡](.*)$")}
 _UNIT_WORD = re.compile(r"^(?P<rest>.*?)[\s_](?P<unit>deg|degrees|rad|dB)$", re.I)
 _NUMBERED = re.compile(
     r"^(?:h|frf|p|point|node|dof)?[\s_(]*(?P<output>\d+)(?P<axis>[+-]?[xyz])?"
     r"(?:[\s_,;:/-]+p?(?P<input>\d+)(?:[+-]?[xyz])?)?\)?$",
     re.I,
 )
+_RUN_TOGETHER = re.compile(r"(?<=^H)(\d)(\d)$", re.I)
 _LEVEL = re.compile(r"^dB\b(?:\s*\(?(?:re|ref|rel)\b[.:]?)?\s*(?:1(?:\.0*)?\s+)?(?P<of>.*)$", re.I)
 _FUNCTION = re.compile(r"^(?:H[12v]?|FRF|TF|G)(?:\s*\((?P<of>[^()]*)\)?|[\s_]+(?P<name>\D.*))$", re.I)
 """An FRF as a function of its response and its force, as H1(a01,force) or H a01."""
@@ -65,12 +70,14 @@ class Pair:
         point: its number.
         axis: such as "+z".
         input: number of the point of the force.
+        force: its name; some programs write it first.
     """
 
     name: str
     point: int | None = None
     axis: str = ""
     input: int | None = None
+    force: str = ""
 
 
 def frf_heading(name: str, unit: str) -> FrfHeading:
@@ -81,8 +88,9 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
     if unit and not _is_unit(unit) and _FIRST.fullmatch(unit):
         # The part stands in brackets behind the name, as in a1(Real).
         name, unit = f"{name} {unit}", ""
-    if bars := _BARS.match(name):
-        return FrfHeading(text, "magnitude", unit, bars["rest"].strip())
+    for part, sign in _SIGNS.items():
+        if signed := sign.match(name):
+            return FrfHeading(text, part, unit, signed[1].strip())
     alone = _FIRST.match(name)
     if alone and unit and not (alone["rest"] or "") and not _is_unit(unit):
         # What stands in brackets is the argument, as in Re(H11), and not a unit.
@@ -93,18 +101,22 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
     return FrfHeading(text, _part(found["part"]), unit, (found["rest"] or "").strip(" _:.(){}"))
 
 
-def pair_of(of: str) -> Pair:
-    """Response and force from a text such as "a01", "a01/p10", "H3,10", "3z" or ""."""
+def pair_of(of: str, points: Collection[int] = ()) -> Pair:
+    """Response and force from a text such as "a01", "a01/p10", "H3,10", "3z" or ""; H21 as H2,1 if `points` say so."""
     of = _ARGUMENT.sub("", of)
     if function := _FUNCTION.match(of):
         of = (function["of"] or function["name"] or "").strip()
+    apart = _RUN_TOGETHER.sub(r"\1,\2", of)
+    if apart != of and int(of[-2:]) not in points and {int(of[-2]), int(of[-1])} <= set(points):
+        of = apart
     if numbered := _NUMBERED.match(of):
         axis = (numbered["axis"] or "").lower()
         into = None if numbered["input"] is None else int(numbered["input"])
         signed = axis if not axis or axis[0] in "+-" else f"+{axis}"
         return Pair(of, int(numbered["output"]), signed, into)
     if to := _TO.match(of):
-        return Pair(to["output"].strip(), input=None if to["input"] is None else int(to["input"]))
+        into = None if to["input"] is None else int(to["input"])
+        return Pair(to["output"].strip(), input=into, force=(to["force"] or "").strip())
     return Pair(of)
 
 
@@ -120,8 +132,9 @@ def response_of(heading: FrfHeading, rig: Rig, where: str) -> tuple[Channel, int
     Raises:
         DataError: no response or several are meant.
     """
-    pair = pair_of(heading.of)
-    for name in (heading.of, pair.name):
+    pair = pair_of(heading.of, {point.id for point in rig.points})
+    driven = rig.force is not None and pair.name.lower() == rig.force.name.lower()
+    for name in (heading.of, pair.force if driven else pair.name):
         named = [c for c in rig.responses if c.name.lower() == name.lower()]
         if named:
             return named[0], pair.input if name != heading.of else None

@@ -16,7 +16,7 @@ from modallab.formats.csv.csv_table import Table
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
+from modallab.formats.starts import Start, cut_to_common_time, one_rate, start_of, start_of_text
 from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds, unit_in_name
 
 _SPECTRUM = re.compile(r"\((?:FFT|PSD|Power Spectr|Spectr|Magnitude|Phase)", re.IGNORECASE)
@@ -76,10 +76,7 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
     used = [_in_seconds(c, where) for c in used]
     taken = {c.name for c in used}
     rates = {c.name: _rate(c, options, where) for c in used}
-    if len(set(rates.values())) > 1:
-        listed = ", ".join(f"{name} {rate:g} Hz" for name, rate in rates.items())
-        raise DataError(f"the channels differ in rate: {listed}", where=where, remedy="leave some out with --ignore")
-    rate = next(iter(rates.values()))
+    rate = one_rate(rates, where) or 0.0
     rows = [c.samples for c in used]
     samples, note = cut_to_common_time(rows, _starts(used, where), rate, list(rates), where)
     n = samples.shape[1]

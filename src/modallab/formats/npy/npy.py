@@ -41,7 +41,7 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         return campaign_of_variables(fields, {}, path, rig, options)
     _check_layout(array, rig, options, where)
     rate, samples = _split(array, rig, options, where)
-    units = [options.unit(channel) for channel in rig.channels]
+    units = [""] * len(rig.channels)
     block = facts_or_options(None, path.stem, rate, options).block(samples, units, rig)
     return Campaign(rig, (block,), source=where)
 

@@ -18,13 +18,13 @@ from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, rea
 from modallab.formats.csv.csv_cells import number
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
+from modallab.formats.starts import Start, cut_to_common_time, one_rate, start_of, start_of_text
 from modallab.formats.uff.uff_lines import physical
 from modallab.formats.unit_text import normal_unit, quantity_of
 
 _QUANTITY: dict[Quantity, str] = {"force": "f", "acceleration": "a", "velocity": "v", "displacement": "d"}
-_AGREE, _SAME = 1e-3, 1e-9
-"""Relative differences: of a rate from that of the times beside it, and of rates that are one."""
+_AGREE = 1e-3
+"""Relative difference of a rate from that of the times beside it."""
 _NEEDED = {"data": list, "name": str, "unit_str": str}
 _REMEDY = "give every series data, name, unit_str, and fs or time, as SEP005 demands"
 
@@ -165,20 +165,13 @@ def _block(
         )
     parts = [group[n] for n in names]
     rates = {part["name"]: _rate(part, where) for part in parts}
-    rate = next(iter(rates.values()))
-    if any(abs(other - rate) > _SAME * rate for other in rates.values()):
-        text = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
-        raise DataError(f"the series of group {name} differ in rate: {text}", where=where, remedy="export one rate")
-    rate = options.agreed(rate, where)
+    rate = options.agreed(one_rate(rates, f"{where}, group {name}") or 0.0, where)
     dated = any(part.get("start_timestamp") for part in parts)
     starts = [_start(part, where) if bool(part.get("start_timestamp")) == dated else None for part in parts]
     samples, note = cut_to_common_time([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)
-    fitting = zip(parts, rig.channels, strict=True)
-    units = [normal_unit(part["unit_str"]) or options.unit(channel) for part, channel in fitting]
-    block = facts.block(samples, units, rig, order=order)
-    return block, note
+    return facts.block(samples, [normal_unit(part["unit_str"]) for part in parts], rig, order=order), note
 
 
 def draft_sep005(path: Path, options: ImportOptions) -> Rig:

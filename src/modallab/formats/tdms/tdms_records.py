@@ -14,12 +14,12 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.axis_checks import nearest_whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
-from modallab.core.rig import Channel, Rig
+from modallab.core.rig import Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_heads import is_time_name
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, cut_to_common_time
+from modallab.formats.starts import Start, cut_to_common_time, one_rate, rate_note
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
 from modallab.formats.unit_text import quantity_of, to_seconds
 
@@ -72,14 +72,9 @@ def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where
     rate = _rate(group, parts, options, where)
     samples, note = cut_to_common_time(*_rows(parts, where), rate, [part.name for part in parts], where)
     facts = facts_or_options(read_facts(group.description, where), group.name, rate, options)
-    units = [_unit(part, channel, options) for part, channel in zip(parts, rig.channels, strict=True)]
     scale = np.array([part.scale for part in parts])
-    block = facts.block(samples, units, rig, order=order, scale=scale)
-    return block, note
-
-
-def _unit(part: TdmsChannel, channel: Channel, options: ImportOptions) -> str:
-    return part.unit or options.unit(channel)
+    block = facts.block(samples, [part.unit for part in parts], rig, order=order, scale=scale)
+    return block, "; ".join(filter(None, (rate_note(_rates(parts, where)), note)))
 
 
 def _rows(parts: list[TdmsChannel], where: str) -> tuple[list[NDArray[Any]], list[Start | None]]:
@@ -104,14 +99,15 @@ def _start(part: TdmsChannel, where: str) -> Start:
     return Start(_stamp(part) + Fraction(float(offset) * _seconds_of_x(part, where)))
 
 
-def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:
+def _rates(parts: Sequence[TdmsChannel], where: str) -> dict[str, float | None]:
     steps = {part.name: _step_of(part, where) for part in parts}
-    if len(set(steps.values())) > 1:
-        rates = ", ".join(f"{name} {1 / step:g} Hz" if step else f"{name} no rate" for name, step in steps.items())
-        raise DataError(f"the channels differ in rate: {rates}", where=where, remedy="export channels of one rate")
-    step = next(iter(steps.values()))
-    if step > 0:
-        rate = check_rate(nearest_whole_rate(1 / step, 1e-12 / step), where)
+    return {name: 1 / step if step else None for name, step in steps.items()}
+
+
+def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:
+    said = one_rate(_rates(parts, where), where)
+    if said:
+        rate = check_rate(nearest_whole_rate(said, 1e-12 * said), where)
     elif times := [c for c in group.channels.values() if _is_time(c) and len(c.samples) == len(parts[0].samples)]:
         unit, place = times[0].unit, f"{where}, channel of times"
         return options.of_times(check_time(times[0].samples * to_seconds(unit, place), place), unit, place)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
 from modallab.formats.uff.uff_numbers import EXPORT_AGAIN, numbers
-from modallab.formats.uff.uff_sets import DELIMITER, FUNCTION_SET, HEAD_LINES, Form, RawSet, decoded, divide, form_of
+from modallab.formats.uff.uff_sets import FUNCTION_SET, HEAD_LINES, Form, RawSet, decoded, divide, form_of
 from modallab.formats.unit_text import normal_unit, to_hertz, to_seconds
 
-__all__ = ["DELIMITER", "KINDS", "Function", "UniversalFile", "read_datasets", "read_functions"]
+__all__ = ["KINDS", "Function", "UniversalFile", "read_datasets", "read_functions"]
 
 UNITS_SET = 164
 KINDS = {1: "time record", 2: "auto spectrum", 3: "cross spectrum", 4: "FRF", 6: "coherence", 9: "PSD", 12: "spectrum"}

@@ -21,7 +21,9 @@ SPECIFIC: dict[int, Quantity] = {
 """What the format's specific data types mean."""
 
 _AXES = "xyz"
-_SYSTEMS = {2: (1 / 0.3048, 1 / 4.4482216152605), 5: (1e3, 1e3), 7: (1 / 0.0254, 1 / 4.4482216152605), 10: (1e3, 1.0)}
+_LBF, _KGF = 1 / TO_SI["force"]["lbf"], 1 / TO_SI["force"]["kgf"]
+_SYSTEMS = {2: (1 / 0.3048, _LBF), 3: (1.0, _KGF), 5: (1e3, 1e3), 6: (1e2, 1e2), 7: (1 / 0.0254, _LBF)}
+_SYSTEMS |= {8: (1e3, _KGF), 10: (1e3, 1.0)}
 """What the format's codes stand for: its units of length to a metre, and of force to a newton."""
 _OWN = 9
 """The code of units that only the factors say."""

@@ -14,7 +14,7 @@ from modallab.core.rig import Direction, Point, Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import cut_to_common_time, start_of
+from modallab.formats.starts import cut_to_common_time, one_rate, start_of
 from modallab.formats.uff.uff_frf import read_frf
 from modallab.formats.uff.uff_functions import KINDS, FileUnits, Function, UniversalFile, read_functions
 from modallab.formats.uff.uff_match import SPECIFIC, Match, known_point, match_channel, unit_of
@@ -104,8 +104,7 @@ def _block(
         read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
     )
     facts = replace(facts, drive_point=_drive_point(group, rig, options, where))
-    fitting = zip(functions, rig.channels, strict=True)
-    channel_units = [unit_of(f, units, where) or options.unit(channel) for f, channel in fitting]
+    channel_units = [unit_of(f, units, where) for f in functions]
     signs = np.array([match.sign for _, match in parts], dtype=np.float64)
     block = facts.block(samples, channel_units, rig, order=order, scale=signs)
     return block, note
@@ -123,11 +122,8 @@ def _check_complete(group: _Group, rig: Rig, where: str) -> None:
 
 
 def _common_rate(functions: Sequence[Function], options: ImportOptions, where: str) -> float:
-    rates = {function.place: _rate(function, where) for function in functions}
-    if len(set(rates.values())) > 1:
-        text = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
-        raise DataError(f"the records differ in rate: {text}", where=where, remedy="export records of one rate")
-    return options.agreed(next(iter(rates.values())), where)
+    rates = {f"set {function.place}": _rate(function, where) for function in functions}
+    return options.agreed(one_rate(rates, where) or 0.0, where)
 
 
 def _rate(function: Function, where: str) -> float:

@@ -119,16 +119,13 @@ class _Divider:
         self._content, self._where, self._at, self._place = content, where, 0, 0
 
     def sets(self) -> list[RawSet]:
-        found: list[RawSet] = []
-        first = next((line for line in iter(self._line, None) if line.strip()), b"")
-        if first.strip() != DELIMITER:
+        found = [self._set() for line in iter(self._line, None) if _is_mark(line)]
+        if not found:
             raise FormatError(
-                "is no universal file: it does not begin with a line '    -1'",
+                "is no universal file: it has no line '    -1'",
                 where=self._where,
                 remedy="name a universal file, or give this file the ending of its own kind",
             )
-        found.append(self._set())
-        found.extend(self._set() for line in iter(self._line, None) if _is_mark(line))
         return found
 
     def _line(self) -> bytes | None:
