@@ -39,6 +39,8 @@ NEXT_TO_ROOT = 0.05
 """Place up to which a force does little but that: such overtones are the root's."""
 NEARBY = 0.04
 """Share of the length by which a place may be off that the overtones show: where a crack bends is no point."""
+STARTS = 5
+"""Places that are tried within it."""
 NOWHERE = 0.15
 """Share of the overtones from which no place along the beam makes them."""
 
@@ -70,7 +72,8 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> 
         return candidate
     if found.left > NOWHERE or (acts == "force" and found.x < NEXT_TO_ROOT):
         return None
-    narrow = {"starts": (found.x,), "low": max(found.x - NEARBY, 0.0), "high": min(found.x + NEARBY, 1.0)}
+    low, high = max(found.x - NEARBY, 0.0), min(found.x + NEARBY, 1.0)
+    narrow = {"starts": tuple(np.linspace(low, high, STARTS).tolist()), "low": low, "high": high}
     return replace(candidate, slots=tuple(replace(s, **narrow) if s.name == "x" else s for s in candidate.slots))
 
 

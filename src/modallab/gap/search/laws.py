@@ -15,7 +15,7 @@ from modallab.core.arrays import Real
 from modallab.core.progress import report_progress
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.posterior import Posterior, improved_posterior
-from modallab.gap.inference.screen import Screen, Start
+from modallab.gap.inference.screen import Screen, ScreenedStart, Start
 from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
@@ -31,8 +31,6 @@ from modallab.twin.effect_model import Overtones
 
 FREQUENCIES = 12
 """Sines on which laws are compared, beside those with the most overtones."""
-LIKELIEST = 2
-"""Starts that are fitted, of all laws."""
 ROUNDS, STEPS, ON_RECORDS = 4, 4, 6
 """Evaluations of all slopes on a few sines, of those of the law alone in each, and of all slopes on all records."""
 
@@ -65,18 +63,21 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
     problem = Problem(bench.data, bench.free, base.problem.candidates)
     without = improved_posterior(view, problem, base.u, STEPS)
     at_rest = np.concatenate([np.zeros(bench.free.size), base.u[bench.free.size :]])
-    screens = [Screen(coarse, problem, u) for u in (without.u, at_rest)]
-    starts: list[Start] = []
-    for i, candidate in enumerate(listed):
-        report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        located = placed_by_overtones(bench, base, candidate)
-        if located is not None:
-            starts += [screen.improved(start) for screen in screens for start in screen.starts(located, 1)]
-    likeliest = sorted(starts, key=lambda s: s.score)[:LIKELIEST]
-    fitted = (_fitted(view, s.problem, s.u) for s in likeliest)
+    located = [c for candidate in listed if (c := placed_by_overtones(bench, base, candidate)) is not None]
+    starts = (_likeliest(Screen(coarse, problem, u), located) for u in (without.u, at_rest))
+    fitted = (_fitted(view, s.problem, s.u) for s in starts if s is not None)
     found = sorted((f for f in fitted if f.evidence + DEFAULT.effect_price < without.evidence), key=_evidence_of)
     best = {f.problem.candidates[-1].effect: f for f in reversed(found)}
     return sorted(best.values(), key=_evidence_of)
+
+
+def _likeliest(screen: Screen, listed: Sequence[CandidateEffect]) -> Start | None:
+    """The best start of all laws, the bench being near what one screen has it at; None without any."""
+    starts: list[ScreenedStart] = []
+    for i, candidate in enumerate(listed):
+        report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
+        starts += screen.starts(candidate, 1)
+    return screen.improved(min(starts, key=lambda s: s.score)) if starts else None
 
 
 def _fitted(view: View, problem: Problem, u: Real) -> Posterior:

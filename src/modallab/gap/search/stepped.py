@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.inference.evidence import more_probable
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
@@ -18,15 +19,13 @@ from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
-from modallab.gap.search.fitting import Bench, excess, within_tolerances
+from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.laws import law_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
 
 MADE = 0.5
 """Share of the overtones that a law must make to be the one."""
-HELPS = 0.5
-"""Share of the gap below which what a linear effect leaves is worth a stepped one beside it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,7 +87,7 @@ def _stepped_rounds(request: _Request) -> list[Level]:
 
 
 def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Choice:
-    """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
+    """Linear effects, and a stepped one beside the best of them where that is more probable than none."""
     with part_of_progress(0.6, 0.8):
         rounds = request.linear()
     linear = choose(request.bench, rounds, request.matters)
@@ -97,7 +96,7 @@ def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Cho
     best = next((level.fits[0] for level in rounds if level.fits), None)
     # Beside the clock alone a stepped one has been looked for.
     known = [effect_names(fit) for level in clocked for fit in level.fits]
-    if best is not None and excess(best) < HELPS * excess(request.base) and effect_names(best) not in known:
+    if best is not None and more_probable(best, request.base) and effect_names(best) not in known:
         with part_of_progress(0.8, 1.0):
             last = request.judged([rounds[0], law_round(request.bench, best, request.overtones)])
         if _explains(last) and has_stepped_law(last.fit):

@@ -21,7 +21,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
-    return (FreeNumber("c2_total", "log", spread_logarithmically(0.3, 100.0, 5)),)
+    return (FreeNumber("c2_total", "log", spread_logarithmically(0.3, 100.0, 12)),)
 
 
 MODEL = EffectModel(

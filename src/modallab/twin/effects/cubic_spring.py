@@ -16,7 +16,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m**5
-    return (FreeNumber("k3", "log", spread_logarithmically(2e2 * unit, 1e8 * unit, 6)), along_beam())
+    return (FreeNumber("k3", "log", spread_logarithmically(2e2 * unit, 1e8 * unit, 27)), along_beam())
 
 
 MODEL = EffectModel(
