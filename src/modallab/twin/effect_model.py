@@ -14,7 +14,7 @@ from modallab.twin.candidate import CandidateEffect, FreeNumber
 
 Change = Callable[[Twin, Effect, Rig], Twin]
 Overtones = Literal["odd", "even"]
-Acts = Literal["force", "couple", "root"]
+Acts = Literal["force", "couple"]
 Absorber = Literal["nothing", "damping ratios", "Young's modulus"]
 
 
@@ -54,8 +54,8 @@ class SteppedLaw:
 
     Attributes:
         overtones: those it makes: odd ones alone where it acts alike both ways, even ones too where it does not.
-        acts: what it does at its place: a force on the beam, a couple that bends it, or a couple at the root; None
-            where it acts all along the beam.
+        acts: what it does at its place along the beam: a force, or a couple that bends it; None where it has no such
+            place.
         on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
             says little more of where it is; 0 where the number has no place.
         smooth: whether its force is a power of the motion, of which the overtones of a small motion drown in the noise.

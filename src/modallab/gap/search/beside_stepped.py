@@ -19,16 +19,10 @@ from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import Bench, evaluated_on_all, refitted_without, without_effect
-from modallab.gap.search.laws import law_round
+from modallab.gap.search.laws import ROOT, SOFT, law_round
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import search_of
-
-SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
-"""Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
-
-ROOT = "clamp_rotation"
-"""The effect that such a root is without the element."""
 
 
 def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:

@@ -33,16 +33,10 @@ INEXACT = 0.03
 MOST = 0.3
 """Share of an overtone's squares beyond which it is as wrong as can be: one resonance must not decide."""
 
-ROOT = 0.02
-"""Place next to the clamp: a force there moves the beam as a couple at a root does that gives way."""
-NEXT_TO_ROOT = 0.05
-"""Place up to which a force does little but that: such overtones are the root's."""
 NEARBY = 0.04
 """Share of the length by which a place may be off that the overtones show: where a crack bends is no point."""
 STARTS = 5
 """Places that are tried within it."""
-NOWHERE = 0.15
-"""Share of the overtones from which no place along the beam makes them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,11 +52,8 @@ class Place:
     left: float
 
 
-def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect | None:
-    """The effect, at the place that the overtones show; None where they show no such place.
-
-    It stays as it is where it acts all along the beam, or where no overtone is clear.
-    """
+def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect:
+    """The effect, near the place that the overtones show; as it is where it has no such place or none is clear."""
     acts, free = search_of(candidate.effect).law.acts, bench.free.size
     if acts is None:
         return candidate
@@ -70,8 +61,6 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> 
     found = place(bench.overtones, [base.problem.twin(u) for u in (base.u, as_believed)], bench.data, acts)
     if found is None:
         return candidate
-    if found.left > NOWHERE or (acts == "force" and found.x < NEXT_TO_ROOT):
-        return None
     low, high = max(found.x - NEARBY, 0.0), min(found.x + NEARBY, 1.0)
     narrow = {"starts": tuple(np.linspace(low, high, STARTS).tolist()), "low": low, "high": high}
     return replace(candidate, slots=tuple(replace(s, **narrow) if s.name == "x" else s for s in candidate.slots))
@@ -84,7 +73,7 @@ def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts:
         found: the overtones.
         twins: linear beams the answers of which are tried.
         data: says which channels there are and where.
-        acts: what the law does at its place; at the root there is but one.
+        acts: what the law does at its place.
     """
     clear = [o for o in found if np.count_nonzero(o.is_clear) >= FEWEST]
     if not clear:
@@ -93,8 +82,8 @@ def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts:
     for twin in twins:
         modes = solve_modes(twin.structure)
         step = 1 / PLACES
-        at = np.array([ROOT]) if acts == "root" else np.linspace(step, 1.0, PLACES)
-        for _ in range(1 if acts == "root" else 2):
+        at = np.linspace(step, 1.0, PLACES)
+        for _ in range(2):
             rows = _force_rows(at, twin, acts)
             left = np.mean([_residual_share(o, twin, modes, data, rows) for o in clear], axis=0)
             best = int(np.argmin(left))
@@ -106,7 +95,7 @@ def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts:
 def _force_rows(at: Real, twin: Twin, acts: Acts) -> Real:
     """(places, n) over the elements' degrees of freedom."""
     length = twin.structure.length_m
-    if acts != "couple":
+    if acts == "force":
         return shape_rows(at * length, length)
     about = np.linspace(-2, 2, 17)
     weights = np.exp(-(about**2)) / np.sum(np.exp(-(about**2)))

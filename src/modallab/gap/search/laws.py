@@ -6,7 +6,7 @@ there or does not. So each record, and each of its overtones, has its own scale 
 the logarithm of what is left, which shows the way from afar; one channel alone never decides.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,20 +15,24 @@ from modallab.core.arrays import Real
 from modallab.core.progress import report_progress
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.posterior import Posterior, improved_posterior
-from modallab.gap.inference.screen import Screen, ScreenedStart, Start
+from modallab.gap.inference.screen import Screen, Start
 from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
 from modallab.gap.model.candidates import stepped_candidates
-from modallab.gap.model.fit import Fit, Problem, cost_of
+from modallab.gap.model.fit import Fit, Problem, cost_of, evaluated
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import best_along_beam
 from modallab.gap.search.few_blocks import compared_sines
-from modallab.gap.search.fitting import Bench
+from modallab.gap.search.fitting import Bench, without_effect
 from modallab.gap.search.force_place import placed_by_overtones
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effect_model import Overtones
 
+SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
+"""Laws that leave the root soft even where their element does nothing, and the stiffness that stays."""
+ROOT = "clamp_rotation"
+"""The effect that such a root is without the element."""
 FREQUENCIES = 12
 """Sines on which laws are compared, beside those with the most overtones."""
 ROUNDS, STEPS, ON_RECORDS = 4, 4, 6
@@ -40,13 +44,26 @@ def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     listed = [c for c in stepped_candidates(bench.data.rig, overtones) if bench.allowed(c.effect)]
     if not listed or bench.data.sines is None:
         return Level(base, ())
-    found, fits = _on_few_sines(bench, base, listed), list[Fit]()
+    beside = _with_their_bases(base, listed)
+    found = sorted((f for begin, laws in beside if laws for f in _on_few_sines(bench, begin, laws)), key=_evidence_of)
+    fits = list[Fit]()
     for f in found:
         report_progress(0.7, f"{f.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
         # One that is less probable by the price of an effect is no rival.
         if f.evidence < found[0].evidence + DEFAULT.effect_price:
             fits.append(fit_on_all_records(bench, f.problem.candidates, f.u))
     return Level(base, tuple(sorted(fits, key=cost_of)))
+
+
+def _with_their_bases(base: Fit, listed: Sequence[CandidateEffect]) -> Iterator[tuple[Fit, Sequence[CandidateEffect]]]:
+    """The laws, and what each stands beside: one that leaves the root soft takes the place of a soft root."""
+    names = [c.effect for c in base.problem.candidates]
+    if ROOT not in names:
+        yield base, listed
+        return
+    yield base, [c for c in listed if c.effect not in SOFT]
+    problem, u = without_effect(base.problem, base.u, names.index(ROOT))
+    yield evaluated(problem, u), [c for c in listed if c.effect in SOFT]
 
 
 def fit_on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
@@ -63,7 +80,7 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
     problem = Problem(bench.data, bench.free, base.problem.candidates)
     without = improved_posterior(view, problem, base.u, STEPS)
     at_rest = np.concatenate([np.zeros(bench.free.size), base.u[bench.free.size :]])
-    located = [c for candidate in listed if (c := placed_by_overtones(bench, base, candidate)) is not None]
+    located = [placed_by_overtones(bench, base, candidate) for candidate in listed]
     starts = (_likeliest(Screen(coarse, problem, u), located) for u in (without.u, at_rest))
     fitted = (_fitted(view, s.problem, s.u) for s in starts if s is not None)
     found = sorted((f for f in fitted if f.evidence + DEFAULT.effect_price < without.evidence), key=_evidence_of)
@@ -73,11 +90,11 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
 
 def _likeliest(screen: Screen, listed: Sequence[CandidateEffect]) -> Start | None:
     """The best start of all laws, the bench being near what one screen has it at; None without any."""
-    starts: list[ScreenedStart] = []
+    starts: list[Start] = []
     for i, candidate in enumerate(listed):
         report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        starts += screen.starts(candidate, 1)
-    return screen.improved(min(starts, key=lambda s: s.score)) if starts else None
+        starts += [screen.improved(start) for start in screen.starts(candidate, 1)]
+    return min(starts, key=lambda s: s.score, default=None)
 
 
 def _fitted(view: View, problem: Problem, u: Real) -> Posterior:

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.evidence import more_probable
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
@@ -93,12 +92,11 @@ def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Cho
     linear = choose(request.bench, rounds, request.matters)
     if linear.explained:
         return linear
-    best = next((level.fits[0] for level in rounds if level.fits), None)
     # Beside the clock alone a stepped one has been looked for.
-    known = [effect_names(fit) for level in clocked for fit in level.fits]
-    if best is not None and more_probable(best, request.base) and effect_names(best) not in known:
+    known = [(), *(effect_names(fit) for level in clocked for fit in level.fits)]
+    if effect_names(linear.fit) not in known:
         with part_of_progress(0.8, 1.0):
-            last = request.judged([rounds[0], law_round(request.bench, best, request.overtones)])
+            last = request.judged([rounds[0], law_round(request.bench, linear.fit, request.overtones)])
         if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))

@@ -24,8 +24,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        FreeNumber("k_slip", "log", spread_logarithmically(7 * unit, 220 * unit, 4)),
-        FreeNumber("k_stick", "log", spread_logarithmically(40 * unit, 1500 * unit, 4), power=-1.0),
+        FreeNumber("k_slip", "log", spread_logarithmically(2.5 * unit, 200 * unit, 6)),
+        FreeNumber("k_stick", "log", spread_logarithmically(12 * unit, 1500 * unit, 6), power=-1.0),
         FreeNumber("moment_limit", "log", spread_logarithmically(1.5e-5 * unit, 2.3e-2 * unit, 7), power=-1.0),
         FreeNumber("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
@@ -50,6 +50,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=EffectSearch(rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_stick")),
+    search=EffectSearch(rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(behind="k_stick")),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

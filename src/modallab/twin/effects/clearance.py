@@ -24,7 +24,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        FreeNumber("k_contact", "log", spread_logarithmically(20 * unit, 400 * unit, 4), power=-1.0),
+        FreeNumber("k_contact", "log", spread_logarithmically(2 * unit, 400 * unit, 7), power=-1.0),
         FreeNumber("gap", "log", spread_logarithmically(3e-6, 6e-4, 9)),
         # What still holds the root within the play; no joint lets a beam hang on nothing.
         FreeNumber("k_within", "log", (8 * unit,), low=WITHIN * unit, high=400 * unit, power=0.0),
@@ -49,6 +49,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a contact begins is a convention.
-    search=EffectSearch(rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_contact")),
+    search=EffectSearch(rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(behind="k_contact")),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )
