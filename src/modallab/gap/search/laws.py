@@ -15,7 +15,7 @@ from modallab.core.arrays import Real
 from modallab.core.progress import report_progress
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.posterior import Posterior, improved_posterior
-from modallab.gap.inference.screen import Screen, Start
+from modallab.gap.inference.screen import Screen
 from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
@@ -88,13 +88,14 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
     return sorted(best.values(), key=_evidence_of)
 
 
-def _likeliest(screen: Screen, listed: Sequence[CandidateEffect]) -> Start | None:
-    """The best start of all laws, the bench being near what one screen has it at; None without any."""
-    starts: list[Start] = []
+def _likeliest(screen: Screen, listed: Sequence[CandidateEffect]) -> Posterior | None:
+    """The most probable of all laws after a few steps with the slopes of one screen; None without any."""
+    found: list[Posterior] = []
     for i, candidate in enumerate(listed):
         report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        starts += [screen.improved(start) for start in screen.starts(candidate, 1)]
-    return min(starts, key=lambda s: s.score, default=None)
+        starts = (screen.improved(start) for start in screen.starts(candidate, 1))
+        found += [improved_posterior(screen.view, s.problem, s.u, STEPS, screen.J) for s in starts]
+    return min(found, key=_evidence_of, default=None)
 
 
 def _fitted(view: View, problem: Problem, u: Real) -> Posterior:

@@ -24,8 +24,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        FreeNumber("k_slip", "log", spread_logarithmically(2.5 * unit, 200 * unit, 6)),
-        FreeNumber("k_stick", "log", spread_logarithmically(12 * unit, 1500 * unit, 6), power=-1.0),
+        FreeNumber("k_slip", "log", spread_logarithmically(2.2 * unit, 220 * unit, 5)),
+        FreeNumber("k_stick", "log", spread_logarithmically(12 * unit, 1500 * unit, 5), power=-1.0),
         FreeNumber("moment_limit", "log", spread_logarithmically(1.5e-5 * unit, 2.3e-2 * unit, 7), power=-1.0),
         FreeNumber("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
