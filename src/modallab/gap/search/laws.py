@@ -20,7 +20,7 @@ from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
 from modallab.gap.model.candidates import stepped_candidates
-from modallab.gap.model.fit import Fit, Problem, cost_of, evaluated
+from modallab.gap.model.fit import Fit, Problem, cost_of, fit_at
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import best_along_beam
 from modallab.gap.search.few_blocks import compared_sines
@@ -63,7 +63,7 @@ def _with_their_bases(base: Fit, listed: Sequence[CandidateEffect]) -> Iterator[
         return
     yield base, [c for c in listed if c.effect not in SOFT]
     problem, u = without_effect(base.problem, base.u, names.index(ROOT))
-    yield evaluated(problem, u), [c for c in listed if c.effect in SOFT]
+    yield fit_at(problem, u), [c for c in listed if c.effect in SOFT]
 
 
 def fit_on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
