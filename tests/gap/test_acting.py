@@ -12,7 +12,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.force_place import place, placed_by_overtones
+from modallab.gap.search.force_place import locate_by_overtones, place
 from modallab.twin.effect_model import Acts
 from modallab.twin.effects import model_of
 
@@ -54,7 +54,7 @@ def test_a_spring_acts_at_its_place(make: Callable[..., Campaign]) -> None:
 
 def test_a_law_is_looked_for_near_the_place_that_the_overtones_show(cracked: Bench) -> None:
     base = fit_at(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
-    begun = placed_by_overtones(cracked, base, model_of(CRACK.effect).candidates(cracked.data.rig)[0])
+    begun = locate_by_overtones(cracked, base, model_of(CRACK.effect).candidates(cracked.data.rig)[0])
     (x,) = (s for s in begun.slots if s.name == "x")
     assert x.high - x.low < 0.1
     assert x.low < 0.31 < x.high
@@ -63,7 +63,7 @@ def test_a_law_is_looked_for_near_the_place_that_the_overtones_show(cracked: Ben
 def test_a_channel_of_wrong_sign_does_not_hide_the_place(make: Callable[..., Campaign]) -> None:
     on = bench(make, SPRING, Effect(effect="polarity", parameters={"sign": -1.0}, place={"channel": 4}))
     base = fit_at(Problem(on.data, on.free), np.zeros(on.free.size))
-    begun = placed_by_overtones(on, base, model_of(SPRING.effect).candidates(on.data.rig)[0])
+    begun = locate_by_overtones(on, base, model_of(SPRING.effect).candidates(on.data.rig)[0])
     (x,) = (s for s in begun.slots if s.name == "x")
     assert x.low < 0.8 < x.high < x.low + 0.1
 

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError
-from modallab.gap.inference.agreement import Agreement, agreement, latest
+from modallab.gap.inference.agreement import Agreement, agreement, records_of_last_setting
 
 
 def of_first_hit(campaign) -> Agreement:
@@ -70,7 +70,7 @@ def test_sines_alone_are_compared_too(make) -> None:
 def test_the_latest_records_are_those_of_the_last_point(make) -> None:
     campaign = make()
     hits = [b for b in campaign.blocks if b.test == "impact"]
-    kept = latest(replace(campaign, blocks=tuple(hits))).blocks
+    kept = records_of_last_setting(replace(campaign, blocks=tuple(hits))).blocks
     assert {b.drive_point for b in kept} == {hits[-1].drive_point}
     assert kept[-1] is hits[-1]
 

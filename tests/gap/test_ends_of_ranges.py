@@ -13,7 +13,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.candidates import channel_candidates
 from modallab.gap.model.fit import Problem, fit_at
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
-from modallab.gap.search.fitting import finish, short_fit
+from modallab.gap.search.fitting import complete_fit, short_fit
 from modallab.gap.unknown.fitted import element
 
 
@@ -29,7 +29,7 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
     (candidate,) = (c for c in channel_candidates(rig, 6) if c.effect == "loose_mount")
     own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]
     begun = short_fit(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
-    found = finish(bench, begun, 0.01)
+    found = complete_fit(bench, begun, 0.01)
     assert found.gap < 1.1
     assert found.effects[0].parameters["hz"] == pytest.approx(382.0, rel=1e-3)
 

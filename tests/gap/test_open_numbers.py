@@ -7,7 +7,7 @@ from made_diagnosis import made_diagnosis
 from modallab.core.diagnosis import FoundEffect
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.search.intervals import NO_ORDER, NO_PLACE, NO_SHARE, NOT_FELT, UNFELT, interval, not_known
+from modallab.gap.search.intervals import NO_ORDER, NO_PLACE, NO_SHARE, NOT_FELT, UNFELT, interval, reason_not_known
 from modallab.gap.words.effects import parameter_in_words, place_of
 from modallab.gap.words.verdicts import verdict_sentence
 from modallab.twin.candidate import FreeNumber, along_beam
@@ -30,7 +30,7 @@ LOSS = FreeNumber("EI_loss", "share", (0.5,), high=0.97)
     ],
 )
 def test_only_what_the_records_tell_has_an_interval(slot: FreeNumber, u: float, deviation: float, why: str) -> None:
-    assert not_known(slot, u, deviation, 0.0) == why
+    assert reason_not_known(slot, u, deviation, 0.0) == why
 
 
 def test_a_positive_number_is_never_believed_to_be_negative() -> None:

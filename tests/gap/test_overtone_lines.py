@@ -9,16 +9,16 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
-from modallab.gap.inference.select import Level
+from modallab.gap.inference.select import SearchRound
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.inference.view import View
+from modallab.gap.inference.view import RowModel
 from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.residual_shares import unexplained
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
-from modallab.gap.search.choose import choose, effect_names
+from modallab.gap.search.choose import effect_names, select_explanation
 from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.laws import fit_on_all_records
@@ -51,7 +51,7 @@ def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
 
 def overtone_scale(on: Bench, fit: Fit) -> float:
     """How far a model is off the overtones of a few sines, as a share of their size; median."""
-    view = View.of((), compared_sines(on.data, on.overtones, 6), DEFAULT, "record")
+    view = RowModel.of((), compared_sines(on.data, on.overtones, 6), DEFAULT, "record")
     levels = view.objective.levels(view.residual(fit.problem.twin(fit.u)))
     rows = view.objective.rows
     shown = {rows.names[k] for k in rows.group[np.isfinite(rows.sigma)]}
@@ -84,7 +84,7 @@ def test_a_law_is_named_though_a_beam_within_its_tolerances_follows_the_sines_th
     base = minimise(fitted(on, 0.0).problem, fitted(on, 0.0).u, 6, 1e-3)
     assert within_tolerances(base)
     assert unexplained(on.data, forward(twin_of(base, on.data), on.data)) < on.data.rig.tolerance.response
-    said = choose(on, [Level(base, (law,))], on.data)
+    said = select_explanation(on, [SearchRound(base, (law,))], on.data)
     assert said.explained
     assert effect_names(said.fit) == ("breathing_crack",)
 

@@ -11,7 +11,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
-from modallab.gap.search.choose import choose
+from modallab.gap.search.choose import select_explanation
 from modallab.gap.search.clock import clock_error_visible, fit_with_clock
 from modallab.gap.search.consequence import without_inconsequential
 from modallab.gap.search.fitting import Bench
@@ -32,7 +32,7 @@ def assembled(rig, make, *effects, allowed=None, **more) -> Bench:
 
 def best(bench: Bench):
     """The explanation that stays after all rounds."""
-    return choose(bench, StepwiseSelection(bench, baseline(bench)).rounds()).fit
+    return select_explanation(bench, StepwiseSelection(bench, baseline(bench)).rounds()).fit
 
 
 @pytest.mark.thorough("fits a whole campaign with many numbers of the assembly")

@@ -26,9 +26,9 @@ from modallab.gap.report.harmonics import channels_out_of_proportion, levels_dif
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records, weights_of
 from modallab.gap.report.locate import locate_gap
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
-from modallab.gap.search.choose import Choice, choose
+from modallab.gap.search.choose import Selection, select_explanation
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged, leaves_noise_only
+from modallab.gap.search.fitting import Bench, converged_fit, leaves_noise_only
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.describe import describe
@@ -50,7 +50,7 @@ class SearchOutcome:
         behaves: what the gap behaves like, best first, where that was seen before all effects were tried.
     """
 
-    choice: Choice
+    choice: Selection
     behaves: tuple[Description, ...] = ()
 
 
@@ -67,7 +67,7 @@ def search_explanation(
         held: their names.
     """
     view, found = without_effects(bench)
-    base = converged(bench, fit_at(found.problem, found.u))
+    base = converged_fit(bench, fit_at(found.problem, found.u))
     if knows_element(base):
         return SearchOutcome(linear_beside_known(bench, base, matters))
     overtones = channels_out_of_proportion(prepared) if base.gap > bench.flat else None
@@ -79,19 +79,19 @@ def search_explanation(
         # Where all others agree with a sound bench, the cause stands in this channel.
         bench = replace(bench, row=alone.row)
     selection = StepwiseSelection(bench, base)
-    choice = choose(bench, selection.rounds(), matters)
+    choice = select_explanation(bench, selection.rounds(), matters)
     if choice.flat or _leaves_nothing(bench, prepared, choice):
         return SearchOutcome(choice)
     behaves = () if clock_error_visible(bench) else unnamed_explanations(bench, prepared, choice, alone, unseen, held)
     if behaves:
         nameless = unnamed_evidence(behaves[0])
-        return SearchOutcome(Choice(base, base, choice.named, False, False, nameless=nameless), behaves)
+        return SearchOutcome(Selection(base, base, choice.named, False, False, nameless=nameless), behaves)
     if choice.explained or alone is not None:
         return SearchOutcome(choice)
     return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))
 
 
-def _leaves_nothing(bench: Bench, prepared: PreparedCampaign, choice: Choice) -> bool:
+def _leaves_nothing(bench: Bench, prepared: PreparedCampaign, choice: Selection) -> bool:
     """Whether named effects leave nothing that an element without a name could explain better."""
     return choice.explained and leaves_noise_only(bench, choice.fit) and not loses_samples(prepared, choice.fit)
 
@@ -100,10 +100,10 @@ def _search_nonlinear(
     bench: Bench,
     prepared: PreparedCampaign,
     selection: StepwiseSelection,
-    linear: Choice,
+    linear: Selection,
     matters: Reduced | None,
     unseen: Reduced,
-) -> Choice:
+) -> Selection:
     """Laws that depend on the size of the motion: their overtones may drown where a slow mode still rings."""
     base: Fit = linear.base
     if levels_differ(base):
@@ -174,7 +174,7 @@ def _made_ready(
     )
 
 
-def _effects_on_records(ready: SearchInput, choice: Choice) -> EffectsInRecords:
+def _effects_on_records(ready: SearchInput, choice: Selection) -> EffectsInRecords:
     prepared, allowed = ready.prepared, ready.bench.allowed
     named = [f for f in inspect_effects(prepared, twin_of(choice.accepted_fit, ready.everything)) if allowed(f.effect)]
     seen = [f for f in named if not is_harmless(prepared, f) and not is_in_revisions(f, ready.rig)]

@@ -43,7 +43,7 @@ from modallab.gap.report.measure import (
     shrinkage_with_interval,
     squared_residuals,
 )
-from modallab.gap.search.choose import Choice, probabilities
+from modallab.gap.search.choose import Selection, probabilities
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals
 from modallab.twin.bench import Twin
@@ -103,7 +103,7 @@ class EffectsInRecords:
 
 
 def document_diagnosis(
-    ready: SearchInput, choice: Choice, location: ResidualTestsResult | None, effects: EffectsInRecords
+    ready: SearchInput, choice: Selection, location: ResidualTestsResult | None, effects: EffectsInRecords
 ) -> Diagnosis:
     """What was found, as a document."""
     prepared, everything = ready.prepared, ready.everything
@@ -127,7 +127,7 @@ def document_diagnosis(
     )
 
 
-def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[FoundEffect], nonlinear: bool) -> list[str]:
+def _diagnosis_notes(ready: SearchInput, choice: Selection, shows: list[FoundEffect], nonlinear: bool) -> list[str]:
     prepared = ready.prepared
     return [
         *([] if ready.stated else [USUAL]),
@@ -157,13 +157,13 @@ def is_harmless(prepared: PreparedCampaign, found: FoundEffect) -> bool:
     return tolerance.of_assembly and noise_share_of_response(prepared, found) < tolerance.response
 
 
-def _diagnosis_verdict(choice: Choice, seen: list[FoundEffect], withheld: list[str]) -> Verdict:
+def _diagnosis_verdict(choice: Selection, seen: list[FoundEffect], withheld: list[str]) -> Verdict:
     if withheld or not choice.explained:
         return "unknown"
     return "no_gap" if choice.flat and not seen else "known"
 
 
-def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[FoundEffect]:
+def _found_effects(choice: Selection, ranked: list[tuple[Fit, float]]) -> list[FoundEffect]:
     fit = choice.fit
     if not fit.problem.candidates or not choice.explained:
         return []
@@ -186,7 +186,7 @@ def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Foun
 
 
 def _candidates_document(
-    ranked: list[tuple[Fit, float]], seen: list[FoundEffect], choice: Choice, data: Reduced
+    ranked: list[tuple[Fit, float]], seen: list[FoundEffect], choice: Selection, data: Reduced
 ) -> list[CandidateSet]:
     more = [f.effect for f in seen]
     return [
@@ -203,7 +203,7 @@ def _candidates_document(
     ]
 
 
-def _gap_document(prepared: PreparedCampaign, choice: Choice, data: Reduced) -> Gap:
+def _gap_document(prepared: PreparedCampaign, choice: Selection, data: Reduced) -> Gap:
     twin = twin_of(choice.base, data)
     raw = squares_as_recorded(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
@@ -263,7 +263,7 @@ def _held_out_as_recorded(ready: SearchInput, seen: list[FoundEffect]) -> Reduce
     )
 
 
-def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrinkage:
+def _shrinkage_document(choice: Selection, raw: Reduced, clean: Reduced, held: list[str]) -> Shrinkage:
     before = squared_residuals(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
     after = squared_residuals(twin_of(choice.accepted_fit, clean), clean)
@@ -271,7 +271,7 @@ def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list
     return shrinkage_with_interval(held, before, after, rival, np.random.default_rng(SEED))
 
 
-def _strongest_rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
+def _strongest_rival(choice: Selection, clean: Reduced, before: float) -> dict[str, float]:
     for fit in choice.rivals:
         if before**2 - 1 > 0.02 and fit.problem.candidates:
             after = squared_residuals(twin_of(fit, clean), clean).gap

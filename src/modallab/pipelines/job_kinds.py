@@ -139,10 +139,10 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: ProgressCall
 
 def _agreement_of_campaign(campaign: Campaign) -> dict[str, Any] | None:
     """Whether the simulation agrees with the latest records; None where the rig or the records allow no comparison."""
-    from modallab.gap.inference.agreement import agreement, latest
+    from modallab.gap.inference.agreement import agreement, records_of_last_setting
 
     try:
-        found = agreement(latest(campaign))
+        found = agreement(records_of_last_setting(campaign))
     except ModallabError:
         return None
     return {"sentence": found.sentence, "agrees": found.agrees, "channels": found.channels}

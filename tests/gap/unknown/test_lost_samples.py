@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from modallab.gap.unknown.sample_hold import hold_of
-from modallab.gap.unknown.volts import Channel
+from modallab.gap.unknown.volts import ChannelOperator
 
 NOISE = 3e-4
 
 
-def channel(kept: float, share: float) -> Channel:
+def channel(kept: float, share: float) -> ChannelOperator:
     rng = np.random.default_rng(4)
     expected, counts = {}, {}
     for k in range(4):
@@ -18,7 +18,7 @@ def channel(kept: float, share: float) -> Channel:
         for i in np.flatnonzero(rng.random(1000) < share):
             read[i] = read[i - 1] if kept else 0.0
         expected[f"r{k}"], counts[f"r{k}"] = u, np.round(read / 1e-4)
-    return Channel(3, {n: c * 1e-4 for n, c in counts.items()}, counts, expected)
+    return ChannelOperator(3, {n: c * 1e-4 for n, c in counts.items()}, counts, expected)
 
 
 @pytest.mark.parametrize("kept", [0.0, 1.0])

@@ -262,10 +262,10 @@ class _AgreementWatch:
             return None if self._closed else run
 
     def _compare(self, run: str) -> None:
-        from modallab.gap.inference.agreement import agreement, latest
+        from modallab.gap.inference.agreement import agreement, records_of_last_setting
 
         try:
-            self._show(agreement(latest(self._recorded(run))).sentence)
+            self._show(agreement(records_of_last_setting(self._recorded(run))).sentence)
         except (ModallabError, np.linalg.LinAlgError):
             # Too little is recorded yet, or a record shows no mode: the next one is compared.
             return

@@ -22,7 +22,7 @@ from modallab.gap.inference.evidence import (
     likelihood,
     probabilities_of,
     records_floor,
-    squares_beside_records,
+    squares_of_priors_and_clock,
 )
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, cost_of
@@ -156,7 +156,7 @@ def residuals_between_explanations(rivals: RivalExplanations, columns: Real) -> 
 def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
     fits = [r.fit for r in rivals.listed]
-    deviations = np.array([squares_beside_records(f) for f in fits])
+    deviations = np.array([squares_of_priors_and_clock(f) for f in fits])
     effects = np.array([len(f.problem.candidates) for f in fits])
     squares = costs - deviations
     squares += rivals.floor.least - np.min(squares, axis=-1, keepdims=True)

@@ -15,7 +15,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.posterior import Posterior
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.inference.view import View
+from modallab.gap.inference.view import RowModel
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import Bench
@@ -79,7 +79,7 @@ class Agreement:
         )
 
 
-def latest(campaign: Campaign) -> Campaign:
+def records_of_last_setting(campaign: Campaign) -> Campaign:
     """The records of the last record's test and drive point alone: what stands on the bench now."""
     last = campaign.blocks[-1]
     return replace(
@@ -111,7 +111,7 @@ def agreement(campaign: Campaign) -> Agreement:
     return agreement_of(bench, *without_effects(bench))
 
 
-def agreement_of(bench: Bench, view: View, found: Posterior) -> Agreement:
+def agreement_of(bench: Bench, view: RowModel, found: Posterior) -> Agreement:
     """What the scales of the discrepancy say.
 
     Args:

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report_progress
-from modallab.gap.inference.posterior import Posterior, improved_posterior
+from modallab.gap.inference.posterior import Posterior, maximise_posterior
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.inference.view import View, sparse
+from modallab.gap.inference.view import RowModel, sparse
 from modallab.gap.model.fit import Fit, Problem, fit_at
-from modallab.gap.search.fitting import Bench, converged
+from modallab.gap.search.fitting import Bench, converged_fit
 
 Array = NDArray[np.float64]
 
@@ -23,15 +23,15 @@ STEPS = 12
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
     found = without_effects(bench)[1]
-    return converged(bench, fit_at(found.problem, found.u))
+    return converged_fit(bench, fit_at(found.problem, found.u))
 
 
-def without_effects(bench: Bench) -> tuple[View, Posterior]:
+def without_effects(bench: Bench) -> tuple[RowModel, Posterior]:
     """The modal rows of a bench, and the twin without effects fitted to them."""
     report_progress(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
-    view = View.of(bench.points, bench.thin, DEFAULT)
-    return view, improved_posterior(view, problem, _starting_point(bench, problem), STEPS)
+    view = RowModel.of(bench.points, bench.thin, DEFAULT)
+    return view, maximise_posterior(view, problem, _starting_point(bench, problem), STEPS)
 
 
 def _starting_point(bench: Bench, problem: Problem) -> Array:
@@ -39,8 +39,8 @@ def _starting_point(bench: Bench, problem: Problem) -> Array:
     zero = np.zeros(bench.free.size)
     if bench.points:
         hits = replace(bench.thin, sines=None)
-        return improved_posterior(View.of(bench.points, hits, DEFAULT), problem, zero, STEPS).u
-    view = View.of((), sparse(bench.thin), DEFAULT)
+        return maximise_posterior(RowModel.of(bench.points, hits, DEFAULT), problem, zero, STEPS).u
+    view = RowModel.of((), sparse(bench.thin), DEFAULT)
     tried = np.tile(zero, (len(MODULI), 1))
     tried[:, 0] = MODULI
     residuals = [view.residual(twin) for twin in problem.twins(tried)]

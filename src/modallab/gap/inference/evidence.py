@@ -69,7 +69,7 @@ def balanced_squares(fit: Fit) -> tuple[Real, Real]:
     curvature, steps = _steps_back(fit)
     more = np.einsum("wi,ij,wj->w", steps, curvature, steps) - 2 * steps[:, : len(pull)] @ pull
     off = np.array([fit.problem.priors(fit.u + step)[0] for step in steps])
-    return fit.cost - squares_beside_records(fit) + np.maximum(more, 0.0), off + clock
+    return fit.cost - squares_of_priors_and_clock(fit) + np.maximum(more, 0.0), off + clock
 
 
 def _steps_back(fit: Fit) -> tuple[Real, Real]:
@@ -89,7 +89,7 @@ def squares_of_clock(fit: Fit) -> float:
     return float(fit.residual[-1] ** 2) if fit.problem.data.sines is not None else 0.0
 
 
-def squares_beside_records(fit: Fit) -> float:
+def squares_of_priors_and_clock(fit: Fit) -> float:
     """Squares of a fit's cost that are none of the records': of the tolerances' deviations, and of the clock."""
     return fit.problem.priors(fit.u)[0] + squares_of_clock(fit)
 

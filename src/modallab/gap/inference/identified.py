@@ -75,7 +75,7 @@ class PointModes:
         )
 
 
-def identified(
+def identify_hit_modes(
     data: Reduced, hits: Sequence[Block], channels: Sequence[int], top_hz: float, driven: Complex
 ) -> tuple[PointModes, ...]:
     """The modes at each drive point; those of all points are looked for at each.
@@ -101,7 +101,7 @@ def identified(
     return tuple(found)
 
 
-def again(points: Sequence[PointModes], data: Reduced) -> tuple[PointModes, ...]:
+def identify_again(points: Sequence[PointModes], data: Reduced) -> tuple[PointModes, ...]:
     """The modes of other records of the same hits, the search begun at the poles that are known."""
     poles = {p.data.piece.name: p.poles for p in points}
     found = (_modes_of_point(d, poles[d.piece.name]) for d in data.impacts if d.piece.name in poles)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
 from modallab.gap.inference.discrepancy import Levels
-from modallab.gap.inference.view import STEP, Match, View
+from modallab.gap.inference.view import STEP, Match, RowModel
 from modallab.gap.model.fit import Problem
 from modallab.twin.candidate import CandidateEffect, FreeNumber
 
@@ -115,7 +115,7 @@ def _widths(problem: Problem, u: Array) -> Array:
     return widths
 
 
-def improved_posterior(view: View, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
+def maximise_posterior(view: RowModel, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
     """The explanation after at most so many evaluations of the slopes from u.
 
     Args:
@@ -145,7 +145,7 @@ def improved_posterior(view: View, problem: Problem, u: Array, steps: int, known
     )
 
 
-def _slopes(view: View, problem: Problem, here: _Place, match: Match, known: Array | None) -> Array:
+def _slopes(view: RowModel, problem: Problem, here: _Place, match: Match, known: Array | None) -> Array:
     """(rows, u), those of the first numbers as they are known from elsewhere."""
     if known is None:
         return view.slopes(problem, here.u, match, here.predicted)
@@ -158,22 +158,22 @@ def _slopes(view: View, problem: Problem, here: _Place, match: Match, known: Arr
     return np.nan_to_num(J)
 
 
-def _place_of(view: View, problem: Problem, u: Array) -> tuple[_Place, Match]:
+def _place_of(view: RowModel, problem: Problem, u: Array) -> tuple[_Place, Match]:
     twin = problem.twin(u)
     match = view.matched(twin)
     predicted = view.predict(twin, match)
-    residual = view.left(predicted)
+    residual = view.residual_after(predicted)
     levels = view.objective.levels(residual)
     return _Place(u, predicted, residual, levels, _cost(view, problem, u, residual, levels)), match
 
 
-def _cost(view: View, problem: Problem, u: Array, residual: Array, levels: Levels) -> float:
+def _cost(view: RowModel, problem: Problem, u: Array, residual: Array, levels: Levels) -> float:
     own = u[: problem.free.size]
     return view.objective.cost(residual, levels) + float(own @ own)
 
 
 def _line_search(
-    view: View,
+    view: RowModel,
     problem: Problem,
     match: Match,
     J: Array,
@@ -198,7 +198,7 @@ def _line_search(
 
 
 def _damped_step(
-    view: View,
+    view: RowModel,
     problem: Problem,
     match: Match,
     system: tuple[Array, Array],
@@ -221,7 +221,7 @@ def _damped_step(
         u = here.u + np.clip(step, -LONGEST, LONGEST)
         u[n:] = np.clip(u[n:], *ends)
         predicted = view.predict(problem.twin(u), match)
-        residual = view.left(predicted)
+        residual = view.residual_after(predicted)
         if _cost(view, problem, u, residual, here.levels) < here.cost:
             levels = view.objective.levels(residual)
             cost = _cost(view, problem, u, residual, levels)

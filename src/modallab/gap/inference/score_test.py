@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.inference.screen import Start, best_share
+from modallab.gap.inference.screen import SearchStart, best_share
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.fitting import Bench
@@ -38,26 +38,26 @@ class ScoreTest:
         gradient[:n] += slope
         self.rest = self.r - self.J @ (self.inverse @ gradient)
 
-    def best(self, candidates: Iterable[CandidateEffect]) -> Start | None:
+    def best(self, candidates: Iterable[CandidateEffect]) -> SearchStart | None:
         """The grid point that takes most from the cost, with minus twice that as its score; None without candidates."""
         starts = [start for c in candidates for start in self._starts(c)]
         return min(starts, key=lambda s: s.score, default=None)
 
-    def _starts(self, candidate: CandidateEffect) -> list[Start]:
+    def _starts(self, candidate: CandidateEffect) -> list[SearchStart]:
         problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
         grid = list(product(*([slot.coordinate(v) for v in slot.starts] for slot in candidate.slots)))
         return [self._start(problem, np.append(self.u, own)) for own in grid]
 
-    def _start(self, problem: Problem, u: Array) -> Start:
+    def _start(self, problem: Problem, u: Array) -> SearchStart:
         try:
             change = problem.residual(u) - self.r
         except np.linalg.LinAlgError:
             # Two losses of stiffness at one place may leave none.
-            return Start(problem, u, np.inf)
+            return SearchStart(problem, u, np.inf)
         along = change - self.J @ (self.inverse @ (self.J.T @ change))
         share = best_share(float(change @ self.rest), float(change @ along))
         candidate, n = problem.candidates[-1], len(self.u)
         if share < 1 and candidate.size is not None:
             u = np.append(self.u, candidate.with_signature(u[n:], share))
             change, along = share * change, share * along
-        return Start(problem, u, float(2 * change @ self.rest + change @ along))
+        return SearchStart(problem, u, float(2 * change @ self.rest + change @ along))

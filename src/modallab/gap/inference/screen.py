@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 
 from modallab.gap.inference.discrepancy import Levels
 from modallab.gap.inference.posterior import bounds
-from modallab.gap.inference.view import View
+from modallab.gap.inference.view import RowModel
 from modallab.gap.model.fit import Problem
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect, FreeNumber
@@ -38,7 +38,7 @@ def best_share(slope: float, curvature: float) -> float:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Start:
+class SearchStart:
     """Where a fit may begin.
 
     Attributes:
@@ -53,7 +53,7 @@ class Start:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ScreenedStart(Start):
+class GridStart(SearchStart):
     """A start from the grid of a candidate.
 
     Attributes:
@@ -66,7 +66,7 @@ class ScreenedStart(Start):
 class Screen:
     """Marginal likelihoods of candidates beside a fit."""
 
-    def __init__(self, view: View, problem: Problem, u: Array) -> None:
+    def __init__(self, view: RowModel, problem: Problem, u: Array) -> None:
         """Take the slopes of the nuisances, and of the effects already there, at u."""
         self.view, self.problem, self.u = view, problem, u
         twin = problem.twin(u)
@@ -93,16 +93,16 @@ class Screen:
             ]
         )
 
-    def starts(self, candidate: CandidateEffect, most: int) -> list[ScreenedStart]:
+    def starts(self, candidate: CandidateEffect, most: int) -> list[GridStart]:
         """The best places for a candidate to begin, each a local minimum of its grid, best first."""
-        chosen: list[ScreenedStart] = []
+        chosen: list[GridStart] = []
         for start in sorted(self._grid(candidate), key=lambda s: s.score):
             apart = (max((abs(k - j) for k, j in zip(start.cell, c.cell, strict=True)), default=0) for c in chosen)
             if len(chosen) < most and all(steps > 1 for steps in apart) and np.isfinite(start.score):
                 chosen.append(start)
         return chosen
 
-    def improved(self, start: ScreenedStart) -> Start:
+    def improved(self, start: GridStart) -> SearchStart:
         """The start moved to where its marginal likelihood is largest nearby, without slopes.
 
         Nelder and Mead, Comput. J. 7 (1965), 308: the answer of a law jumps where its numbers move steadily.
@@ -118,9 +118,9 @@ class Screen:
         simplex = start.u[n:] + np.vstack([np.zeros(len(steps)), steps])
         options = {"maxfev": TRIES * len(steps), "initial_simplex": simplex, "fatol": 0.5}
         found = minimize(score, simplex[0], method="Nelder-Mead", options=options)
-        return Start(start.problem, np.append(self.u, np.clip(found.x, low, high)), float(found.fun))
+        return SearchStart(start.problem, np.append(self.u, np.clip(found.x, low, high)), float(found.fun))
 
-    def _grid(self, candidate: CandidateEffect) -> list[ScreenedStart]:
+    def _grid(self, candidate: CandidateEffect) -> list[GridStart]:
         """The whole grid of a candidate; its smallest sizes are the most probable ones from there down to none."""
         problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
         cells = list(product(*(range(len(slot.starts)) for slot in candidate.slots)))
@@ -131,7 +131,7 @@ class Screen:
         for cell, u, twin in zip(cells, U, problem.twins(U), strict=True):
             smallest = candidate.size is not None and cell[candidate.size] in weakest
             u, score = self._score_of(candidate, u, twin, smallest)
-            found.append(ScreenedStart(problem, u, score, cell))
+            found.append(GridStart(problem, u, score, cell))
         return found
 
     def _score_of(self, candidate: CandidateEffect, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:

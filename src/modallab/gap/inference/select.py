@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from modallab.core.progress import report_progress
 from modallab.gap.inference.evidence import explains, more_probable
-from modallab.gap.inference.posterior import Key, Posterior, improved_posterior, key_of
+from modallab.gap.inference.posterior import Key, Posterior, key_of, maximise_posterior
 from modallab.gap.inference.score_test import ScoreTest
-from modallab.gap.inference.screen import Screen, ScreenedStart
+from modallab.gap.inference.screen import GridStart, Screen
 from modallab.gap.inference.settings import DEFAULT, Settings
-from modallab.gap.inference.view import View, sparse
+from modallab.gap.inference.view import RowModel, sparse
 from modallab.gap.model.candidates import beam_candidates, channel_candidates, has_needed_tests, pair_candidates
 from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
+from modallab.gap.search.fitting import Bench, converged_fit, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
@@ -31,7 +31,7 @@ HALVING = ((3, 6), (2, 3), (10, 3))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Level:
+class SearchRound:
     """One round of a search.
 
     Attributes:
@@ -55,25 +55,25 @@ class StepwiseSelection:
             settings: of the inference.
         """
         self.bench, self.settings = bench, settings
-        self.levels: list[Level] = []
+        self.levels: list[SearchRound] = []
         self.best = base
-        self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
+        self._view, self._coarse = (RowModel.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
-        self._here = improved_posterior(self._view, problem, base.u, 12)
+        self._here = maximise_posterior(self._view, problem, base.u, 12)
         self.finished = base.gap <= bench.flat and self._sound(base)
 
-    def rounds(self, most: int | None = None) -> list[Level]:
+    def rounds(self, most: int | None = None) -> list[SearchRound]:
         """All levels after at most so many rounds in all, fewer where one more makes no explanation more probable."""
         most = self.settings.most_effects if most is None else most
         while not self.finished and len(self.levels) < most:
             self._round()
-        return self.levels or [Level(self.best, ())]
+        return self.levels or [SearchRound(self.best, ())]
 
     def _round(self) -> None:
         self._progress(0.0, "candidates screened")
         found = [self._pruned(f) for f in self._with_one_more(self._here)]
         if not self.levels:
-            found += [improved_posterior(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
+            found += [maximise_posterior(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
         found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
         self._progress(0.7, "explanations fitted to the records")
         fitted: list[tuple[Posterior, Fit]] = []
@@ -90,7 +90,7 @@ class StepwiseSelection:
         if not fitted or self._ends(*fitted[0]):
             self.finished = True
             return
-        self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
+        self.levels.append(SearchRound(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
 
@@ -121,7 +121,7 @@ class StepwiseSelection:
 
     def _fit(self, candidates: tuple[CandidateEffect, ...], u: Array) -> Fit:
         """An explanation on the records, which say how large its numbers are and whether more is left."""
-        return converged(self.bench, fit_at(self._problem(candidates), u))
+        return converged_fit(self.bench, fit_at(self._problem(candidates), u))
 
     def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The explanation that the records speak for most to first order, of those that are not there already."""
@@ -131,7 +131,7 @@ class StepwiseSelection:
         begun = test.best(listed)
         if begun is None:
             return []
-        found = improved_posterior(self._view, self._problem(begun.problem.candidates), self._rested(begun.u), 10)
+        found = maximise_posterior(self._view, self._problem(begun.problem.candidates), self._rested(begun.u), 10)
         return [(found, self._fit(begun.problem.candidates, found.u))]
 
     def _exchanged(self, best: tuple[Posterior, Fit], there: set[Key]) -> list[tuple[Posterior, Fit]]:
@@ -139,7 +139,7 @@ class StepwiseSelection:
         (posterior, fit), found = best, list[tuple[Posterior, Fit]]()
         problem = self._problem(fit.problem.candidates)
         for at in range(len(problem.candidates) - 1):
-            bare = improved_posterior(self._view, *without_effect(problem, fit.u, at), 4)
+            bare = maximise_posterior(self._view, *without_effect(problem, fit.u, at), 4)
             begun = (f for f in self._with_one_more(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
             chosen = [self._pruned(f) for f in sorted(begun, key=lambda f: f.evidence)[:1]]
             found += [(f, self._fit(f.problem.candidates, f.u)) for f in chosen]
@@ -158,14 +158,14 @@ class StepwiseSelection:
             found += self._halved(listed[: self.settings.first], screen.J)
         return _distinct(found)
 
-    def _halved(self, starts: list[ScreenedStart], slopes: Array) -> list[Posterior]:
+    def _halved(self, starts: list[GridStart], slopes: Array) -> list[Posterior]:
         """The best of some starts, each stage with more steps for fewer of them."""
         self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
-        found = _distinct(improved_posterior(self._coarse, s.problem, s.u, steps, slopes) for s in starts)[:keep]
+        found = _distinct(maximise_posterior(self._coarse, s.problem, s.u, steps, slopes) for s in starts)[:keep]
         for stage, (steps, keep) in enumerate(stages):
             self._progress(0.5 + 0.15 * stage, "explanations compared")
-            found = _distinct(improved_posterior(self._view, f.problem, f.u, steps) for f in found)[:keep]
+            found = _distinct(maximise_posterior(self._view, f.problem, f.u, steps) for f in found)[:keep]
         return found
 
     def _rested(self, u: Array) -> Array:
@@ -193,9 +193,9 @@ class StepwiseSelection:
         """An explanation without one of its effects, and with one that has no numbers in its place."""
         problem, u = without_effect(found.problem, found.u, at)
         place = found.problem.candidates[at].place
-        bare = [improved_posterior(self._view, problem, u, 4)] if problem.candidates else []
+        bare = [maximise_posterior(self._view, problem, u, 4)] if problem.candidates else []
         fixed = (c for c in candidates(self.bench, problem.candidates) if not c.slots and c.place == place)
-        return bare + [improved_posterior(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
+        return bare + [maximise_posterior(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
 
 
 def candidates(bench: Bench, present: Iterable[CandidateEffect] = ()) -> list[CandidateEffect]:

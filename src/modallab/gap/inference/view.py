@@ -36,7 +36,7 @@ SKIPPED = 0.15
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class View:
+class RowModel:
     """ObjectiveRows, and what a twin predicts for them.
 
     Attributes:
@@ -56,7 +56,7 @@ class View:
     @classmethod
     def of(
         cls, points: tuple[PointModes, ...], data: Reduced, settings: Settings, scales: SineScales = "channel"
-    ) -> "View":
+    ) -> "RowModel":
         """The rows of reduced data whose hits were identified, and what shares a scale in the sine test."""
         of_sines = [] if data.sines is None else _sine_groups(data.sines, data, scales)
         names = ("poles", *(f"impact {c}" for c in data.channels), *of_sines, "clock")
@@ -85,9 +85,9 @@ class View:
 
     def residual(self, twin: Twin, match: Match | None = None) -> Array:
         """(rows,) measured less predicted; far off where a prediction is not finite."""
-        return self.left(self.predict(twin, match))
+        return self.residual_after(self.predict(twin, match))
 
-    def left(self, predicted: Array) -> Array:
+    def residual_after(self, predicted: Array) -> Array:
         """(rows,) measured less what was predicted."""
         return np.nan_to_num(self.z - predicted, posinf=1e6, neginf=-1e6)
 

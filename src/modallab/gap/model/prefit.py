@@ -23,16 +23,16 @@ SPREAD = 0.004
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Start:
+class PrefitStart:
     """A place to begin: the free numbers, and how badly the frequencies fit there."""
 
     u: Real
     cost: float
 
 
-def starts(
+def start_fits(
     candidates: tuple[CandidateEffect, ...], free: Nuisances, poles: Complex, best: int = 2, former: Real | None = None
-) -> list[Start]:
+) -> list[PrefitStart]:
     """The best places to begin: the last candidate on its grid, those before it where they are.
 
     Args:
@@ -46,7 +46,7 @@ def starts(
     before = former if former is not None else np.zeros(0)
     grid = product(*(slot.starts for slot in own))
     found = [
-        start(
+        start_fit(
             candidates,
             np.concatenate([before, [s.coordinate(v) for s, v in zip(own, values, strict=True)]]),
             free,
@@ -57,7 +57,9 @@ def starts(
     return [refined(s, candidates, free, poles) for s in sorted(found, key=lambda s: s.cost)[:best]]
 
 
-def refined(begin: Start, candidates: tuple[CandidateEffect, ...], free: Nuisances, poles: Complex) -> Start:
+def refined(
+    begin: PrefitStart, candidates: tuple[CandidateEffect, ...], free: Nuisances, poles: Complex
+) -> PrefitStart:
     """The same with the last candidate's numbers moved to where the frequencies fit best nearby."""
     count = len(candidates[-1].slots) if candidates else 0
     if not count or not len(poles):
@@ -65,18 +67,18 @@ def refined(begin: Start, candidates: tuple[CandidateEffect, ...], free: Nuisanc
     held = begin.u[free.size : len(begin.u) - count]
 
     def cost(own: Real) -> float:
-        return start(candidates, np.concatenate([held, own]), free, poles).cost
+        return start_fit(candidates, np.concatenate([held, own]), free, poles).cost
 
     own = begin.u[-count:]
     simplex = np.vstack([own, own + np.diag([0.25 if s.name != "x" else 0.03 for s in candidates[-1].slots])])
     found = minimize(
         cost, own, method="Nelder-Mead", options={"maxfev": 30 * count, "initial_simplex": simplex, "fatol": 1e-3}
     )
-    moved = start(candidates, np.concatenate([held, found.x]), free, poles)
+    moved = start_fit(candidates, np.concatenate([held, found.x]), free, poles)
     return moved if moved.cost < begin.cost else begin
 
 
-def start(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisances, poles: Complex) -> Start:
+def start_fit(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisances, poles: Complex) -> PrefitStart:
     """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
     u = np.concatenate([np.zeros(free.size), effect_u])
     twin, at = free.build(u[: free.size]), free.size
@@ -89,7 +91,7 @@ def start(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisanc
     scale, cost, pairs = _match(np.abs(poles), np.abs(model), free)
     u[0] = scale
     u[3 : 3 + free.modes] = _damping(poles, pairs, free, bool(twin.structure.dampers))
-    return Start(u, cost)
+    return PrefitStart(u, cost)
 
 
 def _match(seen: Real, model: Real, free: Nuisances) -> tuple[float, float, list[tuple[int, int]]]:

@@ -14,7 +14,7 @@ from modallab.core.diagnosis import FoundEffect, Verdict
 from modallab.core.digits import percent_text, relative_change
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.model.fit import Fit
-from modallab.gap.search.choose import Choice
+from modallab.gap.search.choose import Selection
 from modallab.twin.effects import model_of
 from modallab.twin.modes import solve_modes
 
@@ -26,13 +26,13 @@ CLOSE = 0.02
 """Relative deviation at which a frequency still counts as that of a mode."""
 
 
-def contradiction_sentences(choice: Choice, prepared: PreparedCampaign) -> list[str]:
+def contradiction_sentences(choice: Selection, prepared: PreparedCampaign) -> list[str]:
     """One sentence for each: a beam far off its tolerance, and sensitivities that had to move far within theirs."""
     sentences = _beam_contradiction(choice, prepared)
     return sentences or (_gain_contradiction(choice, prepared) if choice.explained else [])
 
 
-def _beam_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]:
+def _beam_contradiction(choice: Selection, prepared: PreparedCampaign) -> list[str]:
     if choice.explained or len(prepared.poles) < 3:
         return []
     free = choice.base.problem.free
@@ -63,7 +63,7 @@ def common_frequency_shift(seen: Real, model: Real) -> tuple[float, float]:
     return float(shifts[best]), float(np.mean(distance[:, best] < CLOSE))
 
 
-def _gain_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]:
+def _gain_contradiction(choice: Selection, prepared: PreparedCampaign) -> list[str]:
     fit, rig = choice.fit, prepared.campaign.rig
     free = fit.problem.free
     factors = free.bare(fit.u[: free.size]).chain.gain

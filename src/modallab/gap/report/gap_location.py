@@ -10,7 +10,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import name_of_band, share_of_gap_closed, share_of_squares_within, shares_by_frequency
-from modallab.gap.search.choose import Choice
+from modallab.gap.search.choose import Selection
 
 MOSTLY = 0.8
 """Share of the squares that the bands named must hold."""
@@ -21,7 +21,7 @@ def gap_location(
     found: Sequence[FoundEffect],
     withheld: Sequence[str],
     location: ResidualTestsResult | None,
-    choice: Choice,
+    choice: Selection,
     data: Reduced,
     prepared: PreparedCampaign,
 ) -> GapLocation:
@@ -60,7 +60,7 @@ def _stage_and_rows(
     found: Sequence[FoundEffect],
     withheld: Sequence[str],
     location: ResidualTestsResult | None,
-    choice: Choice,
+    choice: Selection,
     data: Reduced,
     prepared: PreparedCampaign,
 ) -> tuple[Stage, list[int], Sequence[str], list[str]]:
@@ -78,7 +78,7 @@ def _stage_and_rows(
     return kind.stage, rows, kind.tests, ["The records show the effect without any model."]
 
 
-def _reasons_of_place(lead: FoundEffect, location: ResidualTestsResult | None, choice: Choice) -> list[str]:
+def _reasons_of_place(lead: FoundEffect, location: ResidualTestsResult | None, choice: Selection) -> list[str]:
     if location is None:
         return ["The records show the effect without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
@@ -103,7 +103,7 @@ def _rows_of(found: FoundEffect, force: int, channels: tuple[int, ...]) -> list[
     return list(channels if rows == "all" else rows or ())
 
 
-def _bands_of_gap(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
+def _bands_of_gap(choice: Selection, data: Reduced) -> list[tuple[float, float]]:
     shares = shares_by_frequency(choice.base.problem.twin(choice.base.u), data, name_of_band)
     held: list[tuple[float, float]] = []
     total = 0.0

@@ -12,7 +12,7 @@ from modallab.gap.conditioning.records import records_as_recorded, split_held_ou
 from modallab.gap.conditioning.reduce import reduce_blocks, select_lines, sine_clock
 from modallab.gap.conditioning.rows import Reduced, Weights
 from modallab.gap.inference.baseline import baseline
-from modallab.gap.inference.identified import identified
+from modallab.gap.inference.identified import identify_hit_modes
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.tolerances import with_tolerances
@@ -95,7 +95,7 @@ def problem_of_records(
     flat = _has_flat_tops(prepared)
     found = tuple(harmonics_of_sines(fitted, prepared.campaign.rig, sine_clock(data)))
     thin = select_lines(data, prepared.poles)
-    points = identified(data, fitted, reliable_accelerometers(prepared), DEFAULT.top_hz, prepared.driven.poles)
+    points = identify_hit_modes(data, fitted, reliable_accelerometers(prepared), DEFAULT.top_hz, prepared.driven.poles)
     return Bench(data, thin, free, prepared.poles, allowed, flat, found, points=points)
 
 

@@ -19,7 +19,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares, levels_differ
 from modallab.gap.search.channel_share import channel_share
-from modallab.gap.search.fitting import COARSEST_ERROR, Bench, excess
+from modallab.gap.search.fitting import COARSEST_ERROR, Bench, excess_over_floor
 from modallab.twin.modes import solve_modes
 
 CURES = 0.08
@@ -76,7 +76,7 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> ResidualT
 def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> ResidualTestsResult:
     """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
     shift = rms_shift_of_poles(bench, base)
-    by_test = {t: excess(_gap_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
+    by_test = {t: excess_over_floor(_gap_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
     why = [f"The poles of the ring-down lie {percent_text(shift)} (rms) off those of the best beam."]
     if by_test:
         why.append(
@@ -207,7 +207,7 @@ def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
             if bench.thin.sines
             else None,
         )
-        left = excess(_fit_part_afresh(bench, data, base)) / excess(base)
+        left = excess_over_floor(_fit_part_afresh(bench, data, base)) / excess_over_floor(base)
         if left < CURES:
             return tuple(sorted(bench.data.channels[i] for i in chosen)), left
     return (), 1.0

@@ -9,11 +9,11 @@ element in its place (as in `beside_stepped`).
 from dataclasses import replace
 
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.select import Level, StepwiseSelection
+from modallab.gap.inference.select import SearchRound, StepwiseSelection
 from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.beside_stepped import linear_part
-from modallab.gap.search.choose import Choice, choose
+from modallab.gap.search.choose import Selection, select_explanation
 from modallab.gap.search.fitting import Bench
 
 TOGETHER = 2
@@ -25,25 +25,25 @@ def knows_element(base: Fit) -> bool:
     return base.problem.twin(base.u).element is not None
 
 
-def linear_beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
+def linear_beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Selection:
     """Linear effects beside the element that the rig file knows.
 
     Args:
         bench: what to search.
         base: the twin without further effects, which has such an element.
-        matters: see `choose`.
+        matters: see `select_explanation`.
     """
     linear = replace(linear_part(bench, base), free=replace(bench.free, stepped=False))
     levels = StepwiseSelection(linear, fit_at(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
-    return choose(bench, _with_element(bench, base, levels), matters)
+    return select_explanation(bench, _with_element(bench, base, levels), matters)
 
 
-def _with_element(bench: Bench, base: Fit, levels: list[Level]) -> list[Level]:
+def _with_element(bench: Bench, base: Fit, levels: list[SearchRound]) -> list[SearchRound]:
     """The same rounds with the element in its place."""
-    found: list[Level] = []
+    found: list[SearchRound] = []
     for level in levels:
         fits = sorted((_fit_with_element(bench, f) for f in level.fits), key=lambda f: f.cost)
-        found.append(Level(base, tuple(fits)))
+        found.append(SearchRound(base, tuple(fits)))
         base = fits[0] if fits else base
     return found
 

@@ -13,23 +13,23 @@ from modallab.core.arrays import Real
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.reduce import select_lines
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.identified import again
-from modallab.gap.inference.select import Level, StepwiseSelection
+from modallab.gap.inference.identified import identify_again
+from modallab.gap.inference.select import SearchRound, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
-from modallab.gap.search.fitting import Bench, evaluated_on_all, refitted_without, without_effect
+from modallab.gap.search.fitting import Bench, fit_at_on_all_data, refitted_without, without_effect
 from modallab.gap.search.laws import ROOT, SOFT, law_round
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import search_of
 
 
-def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
+def linear_beside_stepped(bench: Bench, fit: Fit) -> SearchRound | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without, law = linear_part(bench, fit), fit.problem.candidates[-1].effect
     with part_of_progress(0.0, 0.6):
-        level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
+        level = StepwiseSelection(without, fit_at_on_all_data(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits:
         return None
     # The root that such a law leaves soft stands in its own numbers again.
@@ -40,7 +40,7 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
         both = law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
     # Beside another effect the law may have found a better place: it counts without that effect as well.
     alone = [refitted_without(fit, k) for fit in both.fits[:1] for k in range(len(kept))]
-    return Level(both.base, (*both.fits, *alone))
+    return SearchRound(both.base, (*both.fits, *alone))
 
 
 def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
@@ -52,7 +52,7 @@ def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
 def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
     data = without_element(bench.data, fit.problem.twin(fit.u))
-    return replace(bench, data=data, thin=select_lines(data, bench.poles), points=again(bench.points, data))
+    return replace(bench, data=data, thin=select_lines(data, bench.poles), points=identify_again(bench.points, data))
 
 
 def without_element(data: Reduced, twin: Twin) -> Reduced:

@@ -10,13 +10,13 @@ import numpy as np
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.evidence import evidence, evidence_without_name, probabilities_of
-from modallab.gap.inference.select import Level
+from modallab.gap.inference.select import SearchRound
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.forward import forward
 from modallab.gap.model.residual_shares import unexplained
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.consequence import Dismissed, no_tolerance_acts_like, without_inconsequential
+from modallab.gap.search.consequence import DismissedEffect, no_tolerance_acts_like, without_inconsequential
 from modallab.gap.search.fitting import (
     Bench,
     each_within_tolerance,
@@ -26,7 +26,7 @@ from modallab.twin.effects import search_of
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Choice:
+class Selection:
     """What the search says.
 
     Attributes:
@@ -46,7 +46,7 @@ class Choice:
     rivals: tuple[Fit, ...]
     explained: bool
     flat: bool
-    dismissed: tuple[Dismissed, ...] = ()
+    dismissed: tuple[DismissedEffect, ...] = ()
     tolerated: float | None = None
     nameless: float | None = None
 
@@ -61,7 +61,7 @@ class Choice:
         return (self.fit, *self.rivals) if self.fit.problem.candidates else self.rivals
 
 
-def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
+def select_explanation(bench: Bench, levels: list[SearchRound], held: Reduced | None = None) -> Selection:
     """The most probable of all explanations that were fitted, and whether it explains the gap.
 
     Args:
@@ -73,7 +73,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
     base = levels[0].base
     plain = base.gap <= bench.flat and (within_tolerances(base) or not bench.free.deviations)
     if plain and not _clock_alone(bench, levels):
-        return Choice(base, base, (), True, True)
+        return Selection(base, base, (), True, True)
     rivals = sorted((f for level in levels for f in level.fits), key=cost_of)
     listed = [base, *rivals]
     minus_two_logs = evidence(listed)
@@ -82,7 +82,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
     # Compared with the others, not by itself: what an effect is itself off by is no excuse where others predict better.
     explained = bool(fit.problem.candidates) and bool(minus_two_logs[best] < evidence_without_name(fit))
     others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
-    choice = Choice(base, fit, others, explained, False)
+    choice = Selection(base, fit, others, explained, False)
     return choice if held is None else _without_inconsequential(choice, held, clock_error_visible(bench))
 
 
@@ -91,7 +91,7 @@ def has_stepped_law(fit: Fit) -> bool:
     return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
 
-def _without_inconsequential(choice: Choice, held: Reduced, clock_visible: bool) -> Choice:
+def _without_inconsequential(choice: Selection, held: Reduced, clock_visible: bool) -> Selection:
     """The same without what is within tolerance or of no consequence."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and each_within_tolerance(choice.base)
@@ -101,18 +101,18 @@ def _without_inconsequential(choice: Choice, held: Reduced, clock_visible: bool)
     if left < held.rig.tolerance.response and (tolerable or unnamed):
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         tolerated = None if choice.explained else left
-        return Choice(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
+        return Selection(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
     if not choice.explained:
         return choice
     fit, dismissed = without_inconsequential(choice.fit, held, clock_visible)
     if not fit.problem.candidates:
         # An effect of next to nothing may have shown the way to a twin without effects that fits better.
         base = min(choice.base, fit, key=lambda f: f.cost)
-        return Choice(base, base, choice.rivals, True, True, tuple(dismissed))
+        return Selection(base, base, choice.rivals, True, True, tuple(dismissed))
     return replace(choice, fit=fit, dismissed=tuple(dismissed))
 
 
-def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
+def _clock_alone(bench: Bench, levels: list[SearchRound]) -> bool:
     """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
     return clock_error_visible(bench) and any(_has_clock(fit) for fit in levels[0].fits[:1])
 
@@ -127,7 +127,7 @@ def effect_names(fit: Fit) -> tuple[str, ...]:
     return tuple(sorted(c.effect for c in fit.problem.candidates))
 
 
-def probabilities(choice: Choice) -> tuple[list[tuple[Fit, float]], float]:
+def probabilities(choice: Selection) -> tuple[list[tuple[Fit, float]], float]:
     """The explanations, each with its probability, best first, and the probability that the cause has no name."""
     fits: dict[tuple[str, ...], Fit] = {effect_names(choice.fit): choice.fit}
     for fit in choice.rivals:

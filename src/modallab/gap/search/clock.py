@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, fit_at
-from modallab.gap.search.fitting import Bench, converged, fit_from_poles
+from modallab.gap.search.fitting import Bench, converged_fit, fit_from_poles
 from modallab.twin.effects import search_of
 
 EVIDENT = 2.5e-4
@@ -32,4 +32,4 @@ def fit_with_clock(bench: Bench, base: Fit) -> Fit | None:
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
     strained = fit_at(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
-    return min(fit_from_poles(bench, (candidate,), own), converged(bench, strained), key=lambda f: f.cost)
+    return min(fit_from_poles(bench, (candidate,), own), converged_fit(bench, strained), key=lambda f: f.cost)

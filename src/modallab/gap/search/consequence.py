@@ -21,7 +21,7 @@ ABOVE = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Dismissed:
+class DismissedEffect:
     """An effect that is not worth a name.
 
     Attributes:
@@ -52,7 +52,7 @@ def no_tolerance_acts_like(effect: str, clock_visible: bool) -> bool:
     return not kind_of(effect).linear or (clock_visible and search_of(effect).tolerance.is_clock)
 
 
-def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False) -> tuple[Fit, list[Dismissed]]:
+def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False) -> tuple[Fit, list[DismissedEffect]]:
     """The fit with those of its effects that are worth a name, and the others.
 
     Args:
@@ -61,7 +61,7 @@ def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False
         clock_visible: whether the generator's lines show a wrong clock.
     """
     least = held.rig.tolerance.response
-    dismissed: list[Dismissed] = []
+    dismissed: list[DismissedEffect] = []
     at = 0
     while at < len(fit.problem.candidates):
         refitted = refitted_without(fit, at)
@@ -74,13 +74,13 @@ def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False
     return fit, dismissed
 
 
-def _dismissal(fit: Fit, refitted: Fit, at: int, held: Reduced, clock_visible: bool) -> Dismissed:
+def _dismissal(fit: Fit, refitted: Fit, at: int, held: Reduced, clock_visible: bool) -> DismissedEffect:
     effect = fit.effects[at]
     deviations = search_of(effect.effect).tolerance.deviations(effect, held.rig)
     if not within_tolerances(refitted):
         # What takes its work over only by leaving its own tolerance is no ordinary bench.
-        return Dismissed(effect, deviations, float("inf"))
+        return DismissedEffect(effect, deviations, float("inf"))
     alone = no_tolerance_acts_like(effect.effect, clock_visible)
     bare = fit_at(*without_effect(fit.problem, fit.u, at)) if alone else refitted
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
-    return Dismissed(effect, deviations, largest_difference(held, *answers))
+    return DismissedEffect(effect, deviations, largest_difference(held, *answers))

@@ -17,7 +17,7 @@ from modallab.gap.model.fit import Fit, Problem, fit_at
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, is_near_noise_floor, minimise
 from modallab.gap.model.nuisances import Nuisances
-from modallab.gap.model.prefit import start
+from modallab.gap.model.prefit import start_fit
 from modallab.gap.model.tolerances import MOST
 from modallab.gap.model.twin_of_fit import with_drift_curve
 from modallab.twin.candidate import CandidateEffect
@@ -69,17 +69,17 @@ class Bench:
     row: int | None = None
 
 
-def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
+def complete_fit(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit brought to its end on all data, with ever less forgiven.
 
     Thinned data are mostly those about resonances: where the model is a little wrong there, they lead a fit astray.
     """
-    return converged(bench, annealed(replace(bench, thin=bench.data), fit, floor))
+    return converged_fit(bench, annealed_fit(replace(bench, thin=bench.data), fit, floor))
 
 
-def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
+def annealed_fit(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit with ever less forgiven, and nothing in the end, on thinned data."""
-    floor = min(floor, misfit(fit.problem, fit.u))
+    floor = min(floor, forgivable_error(fit.problem, fit.u))
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
     for level in (floor, floor / 6, *later):
@@ -89,7 +89,7 @@ def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
     return minimise(problem, bench.free.within_priors(fit.u), 8, 1e-3)
 
 
-def converged(bench: Bench, fit: Fit) -> Fit:
+def converged_fit(bench: Bench, fit: Fit) -> Fit:
     """A fit brought to its end on all data, if that is near the floor: nothing else can explain the gap."""
     found = minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, SHORT, END)
     if is_near_noise_floor(found):
@@ -137,7 +137,7 @@ def search_origin(bench: Bench, fit: Fit) -> Fit:
 def fitted_from_rest(bench: Bench, fit: Fit) -> Fit:
     """The fit with the assembly at rest, and the beam as it is best then."""
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
-    return evaluated_on_all(bench, minimise(problem, nuisances_at_rest(bench.free, fit.u), 6, 1e-2))
+    return fit_at_on_all_data(bench, minimise(problem, nuisances_at_rest(bench.free, fit.u), 6, 1e-2))
 
 
 def nuisances_at_rest(free: Nuisances, u: Real) -> Real:
@@ -150,20 +150,20 @@ def nuisances_at_rest(free: Nuisances, u: Real) -> Real:
 
 def fit_from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    return finish(bench, short_fit_from_poles(bench, candidates, own), COARSEST_ERROR / 6)
+    return complete_fit(bench, short_fit_from_poles(bench, candidates, own), COARSEST_ERROR / 6)
 
 
 def short_fit_from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A short fit from there."""
-    return short_fit(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSEST_ERROR)
+    return short_fit(bench, candidates, start_fit(candidates, own, bench.free, bench.poles).u, COARSEST_ERROR)
 
 
-def evaluated_on_all(bench: Bench, fit: Fit) -> Fit:
+def fit_at_on_all_data(bench: Bench, fit: Fit) -> Fit:
     """A short fit as it is, on all data."""
     return fit_at(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
 
 
-def misfit(problem: Problem, u: Real) -> float:
+def forgivable_error(problem: Problem, u: Real) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
     twin = problem.twin(u)
     answers = forward(twin, problem.data)
@@ -179,7 +179,7 @@ def short_fit(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real, fl
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
-    near = min(floor, misfit(problem, u))
+    near = min(floor, forgivable_error(problem, u))
     fit = minimise(replace(problem, floor=near, held=_beam_coordinates(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
     return fit_at(replace(problem, floor=floor, held=_beam_coordinates(fit.u)), fit.u, fit.normal)
@@ -203,7 +203,7 @@ def without_effect(problem: Problem, u: Real, which: int) -> tuple[Problem, Real
     return replace(problem, candidates=candidates[:which] + candidates[which + 1 :]), rest
 
 
-def excess(fit: Fit) -> float:
+def excess_over_floor(fit: Fit) -> float:
     """What is left above the floor, in squares of noise units, with the excess of the assembly over its tolerances."""
     strained = 0.0
     if fit.problem.free.deviations:

@@ -52,7 +52,7 @@ class Place:
     left: float
 
 
-def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect:
+def locate_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect:
     """The effect, near the place that the overtones show; as it is where it has no such place or none is clear."""
     acts, free = search_of(candidate.effect).law.acts, bench.free.size
     if acts is None:

@@ -70,7 +70,7 @@ def intervals(fit: Fit) -> list[Believed]:
                 # A gain of its own multiplies a wrong one.
                 sure = shared * (abs(slot.value(u)) if slot.none else 1.0)
                 sigma, model = float(deviation[at]), float(np.hypot(off, sure))
-            why = not_known(slot, u, sigma, model)
+            why = reason_not_known(slot, u, sigma, model)
             own.within[slot.name] = None if why else interval(slot, u, sigma, model)
             known = own.within[slot.name]
             if known is not None and slot.name == search_of(candidate.effect).law.behind:
@@ -121,7 +121,7 @@ def _half_of_logarithm(slot: FreeNumber, value: float, deviation: float, model: 
     return 1.96 * float(np.hypot(deviation, model * effect))
 
 
-def not_known(slot: FreeNumber, u: float, deviation: float, model: float) -> str:
+def reason_not_known(slot: FreeNumber, u: float, deviation: float, model: float) -> str:
     """Why a number has no interval; "" where it has one. For the arguments see `interval`."""
     half = 1.96 * deviation
     if deviation >= UNFELT:

@@ -14,18 +14,18 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.progress import report_progress
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.posterior import Posterior, improved_posterior
+from modallab.gap.inference.posterior import Posterior, maximise_posterior
 from modallab.gap.inference.screen import Screen
-from modallab.gap.inference.select import Level
+from modallab.gap.inference.select import SearchRound
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.inference.view import View
+from modallab.gap.inference.view import RowModel
 from modallab.gap.model.candidates import stepped_candidates
 from modallab.gap.model.fit import Fit, Problem, cost_of, fit_at
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import best_along_beam
 from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench, without_effect
-from modallab.gap.search.force_place import placed_by_overtones
+from modallab.gap.search.force_place import locate_by_overtones
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effect_model import Overtones
 
@@ -39,11 +39,11 @@ ROUNDS, STEPS, ON_RECORDS = 4, 4, 6
 """Evaluations of all slopes on a few sines, of those of the law alone in each, and of all slopes on all records."""
 
 
-def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
+def law_round(bench: Bench, base: Fit, overtones: Overtones) -> SearchRound:
     """One round of the laws that make such overtones, beside the effects of a fit."""
     listed = [c for c in stepped_candidates(bench.data.rig, overtones) if bench.allowed(c.effect)]
     if not listed or bench.data.sines is None:
-        return Level(base, ())
+        return SearchRound(base, ())
     beside = _with_their_bases(base, listed)
     found = sorted((f for begin, laws in beside if laws for f in _on_few_sines(bench, begin, laws)), key=_evidence_of)
     fits = list[Fit]()
@@ -52,7 +52,7 @@ def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
         # One that is less probable by the price of an effect is no rival.
         if f.evidence < found[0].evidence + DEFAULT.effect_price:
             fits.append(fit_on_all_records(bench, f.problem.candidates, f.u))
-    return Level(base, tuple(sorted(fits, key=cost_of)))
+    return SearchRound(base, tuple(sorted(fits, key=cost_of)))
 
 
 def _with_their_bases(base: Fit, listed: Sequence[CandidateEffect]) -> Iterator[tuple[Fit, Sequence[CandidateEffect]]]:
@@ -76,11 +76,11 @@ def fit_on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u:
 def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) -> list[Posterior]:
     """The laws that are more probable than none, best first, each at its most probable numbers."""
     few = compared_sines(bench.data, bench.overtones, FREQUENCIES)
-    view, coarse = (View.of(bench.points, d, DEFAULT, "record") for d in (few, _with_long_steps(few)))
+    view, coarse = (RowModel.of(bench.points, d, DEFAULT, "record") for d in (few, _with_long_steps(few)))
     problem = Problem(bench.data, bench.free, base.problem.candidates)
-    without = improved_posterior(view, problem, base.u, STEPS)
+    without = maximise_posterior(view, problem, base.u, STEPS)
     at_rest = np.concatenate([np.zeros(bench.free.size), base.u[bench.free.size :]])
-    located = [placed_by_overtones(bench, base, candidate) for candidate in listed]
+    located = [locate_by_overtones(bench, base, candidate) for candidate in listed]
     starts = (_likeliest(Screen(coarse, problem, u), located) for u in (without.u, at_rest))
     fitted = (_fitted(view, s.problem, s.u) for s in starts if s is not None)
     found = sorted((f for f in fitted if f.evidence + DEFAULT.effect_price < without.evidence), key=_evidence_of)
@@ -94,18 +94,18 @@ def _likeliest(screen: Screen, listed: Sequence[CandidateEffect]) -> Posterior |
     for i, candidate in enumerate(listed):
         report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
         starts = (screen.improved(start) for start in screen.starts(candidate, 1))
-        found += [improved_posterior(screen.view, s.problem, s.u, STEPS, screen.J) for s in starts]
+        found += [maximise_posterior(screen.view, s.problem, s.u, STEPS, screen.J) for s in starts]
     return min(found, key=_evidence_of, default=None)
 
 
-def _fitted(view: View, problem: Problem, u: Real) -> Posterior:
+def _fitted(view: RowModel, problem: Problem, u: Real) -> Posterior:
     """The law at its most probable numbers; slopes of the bench's many numbers, each a step in time, serve for long."""
-    n, found = problem.free.size, improved_posterior(view, problem, u, 0)
+    n, found = problem.free.size, maximise_posterior(view, problem, u, 0)
     for _ in range(ROUNDS):
         before, twin = found.cost, problem.twin(found.u)
         match = view.matched(twin)
         slopes = view.slopes(problem, found.u, match, view.predict(twin, match))
-        found = improved_posterior(view, problem, found.u, STEPS, slopes[:, :n])
+        found = maximise_posterior(view, problem, found.u, STEPS, slopes[:, :n])
         if before - found.cost < DEFAULT.effect_price:
             break
     return found

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.select import Level, StepwiseSelection
+from modallab.gap.inference.select import SearchRound, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.residual_shares import unexplained
 from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.beside_stepped import linear_beside_stepped
-from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
+from modallab.gap.search.choose import Selection, effect_names, has_stepped_law, select_explanation
 from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.laws import law_round
@@ -37,11 +37,11 @@ class _Request:
     overtones: Overtones
     matters: Reduced | None
     unseen: Reduced
-    linear: Callable[[], list[Level]]
+    linear: Callable[[], list[SearchRound]]
 
-    def judged(self, levels: list[Level]) -> Choice:
+    def judged(self, levels: list[SearchRound]) -> Selection:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
-        return _with_overtones_checked(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
+        return _with_overtones_checked(select_explanation(self.bench, levels, self.matters), self.prepared, self.unseen)
 
 
 def search_stepped(
@@ -51,8 +51,8 @@ def search_stepped(
     overtones: Overtones,
     matters: Reduced | None,
     unseen: Reduced,
-    linear: Callable[[], list[Level]] | None = None,
-) -> Choice:
+    linear: Callable[[], list[SearchRound]] | None = None,
+) -> Selection:
     """What explains a bench that answers out of proportion.
 
     Args:
@@ -60,8 +60,8 @@ def search_stepped(
         prepared: the records.
         base: the twin without effects.
         overtones: which the records show.
-        matters: see `choose`.
-        unseen: see `choose`.
+        matters: see `select_explanation`.
+        unseen: see `select_explanation`.
         linear: what gives the rounds of linear effects alone, where some are known.
     """
     request = _Request(
@@ -78,18 +78,18 @@ def search_stepped(
     return best if _explains(best) else _linear_first(request, best, levels[:-1])
 
 
-def _stepped_rounds(request: _Request) -> list[Level]:
+def _stepped_rounds(request: _Request) -> list[SearchRound]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
     clocked = fit_with_clock(request.bench, request.base)
-    levels = [] if clocked is None else [Level(request.base, (clocked,))]
+    levels = [] if clocked is None else [SearchRound(request.base, (clocked,))]
     return [*levels, law_round(request.bench, clocked or request.base, request.overtones)]
 
 
-def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Choice:
+def _linear_first(request: _Request, first: Selection, clocked: list[SearchRound]) -> Selection:
     """Linear effects, and a stepped one beside the best of them where that is more probable than none."""
     with part_of_progress(0.6, 0.8):
         rounds = request.linear()
-    linear = choose(request.bench, rounds, request.matters)
+    linear = select_explanation(request.bench, rounds, request.matters)
     if linear.explained:
         return linear
     # Beside the clock alone a stepped one has been looked for.
@@ -108,12 +108,12 @@ def _nothing_more_matters(fit: Fit, unseen: Reduced) -> bool:
     return within_tolerances(fit) and left < unseen.rig.tolerance.response
 
 
-def _explains(choice: Choice) -> bool:
+def _explains(choice: Selection) -> bool:
     """Whether it explains the gap, and does not merely say that what is left does not matter: others may explain it."""
     return choice.explained and choice.tolerated is None
 
 
-def _with_overtones_checked(choice: Choice, prepared: PreparedCampaign, unseen: Reduced) -> Choice:
+def _with_overtones_checked(choice: Selection, prepared: PreparedCampaign, unseen: Reduced) -> Selection:
     """The same, explained only if the law makes the overtones that were measured."""
     if not choice.explained or not has_stepped_law(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice

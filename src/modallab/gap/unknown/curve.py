@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from modallab.core.arrays import Real
-from modallab.gap.unknown.volts import Channel
+from modallab.gap.unknown.volts import ChannelOperator
 from modallab.twin.learned.row_curve import apply_curve
 
 FAMILIES = (
@@ -37,7 +37,7 @@ WIDEST = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class ForceCurve:
     """A static curve of a channel, by the numbers of its family.
 
     Attributes:
@@ -59,24 +59,24 @@ class Curve:
             for n, x in zip(self.family, self.q, strict=True)
         }
 
-    def made(self, channel: Channel) -> dict[str, Real]:
+    def made(self, channel: ChannelOperator) -> dict[str, Real]:
         """Record -> (n,) V that it makes of what the twin predicts."""
         law = self.law
         return {name: apply_curve(u, law) for name, u in channel.expected.items()}
 
-    def moved(self, q: Real) -> "Curve":
+    def moved(self, q: Real) -> "ForceCurve":
         """The same with other numbers."""
-        return Curve(self.family, tuple(q.tolist()), self.peak)
+        return ForceCurve(self.family, tuple(q.tolist()), self.peak)
 
 
-def curve_of(channel: Channel, names: Collection[str]) -> Curve:
+def curve_of(channel: ChannelOperator, names: Collection[str]) -> ForceCurve:
     """The curve that describes a channel's records of these names best, sample by sample."""
     pairs = [(channel.expected[n], channel.read[n][::EVERY]) for n in names]
     peak = max(float(np.max(np.abs(u))) for u, _ in pairs)
     v = np.concatenate([read for _, read in pairs])
 
-    def fitted(family: tuple[str, ...]) -> tuple[float, Curve]:
-        begin = Curve(family, tuple(_first_value(n, peak) for n in family), peak)
+    def fitted(family: tuple[str, ...]) -> tuple[float, ForceCurve]:
+        begin = ForceCurve(family, tuple(_first_value(n, peak) for n in family), peak)
 
         def off(q: Real) -> Real:
             law = begin.moved(q).law
@@ -106,7 +106,9 @@ def _range(name: str, peak: float) -> tuple[float, float]:
     return float(np.log(least)), float(np.log(most))
 
 
-def refined(curve: Curve, residual: Callable[[Curve], Real]) -> tuple[Curve, dict[str, tuple[float, float]]]:
+def refined(
+    curve: ForceCurve, residual: Callable[[ForceCurve], Real]
+) -> tuple[ForceCurve, dict[str, tuple[float, float]]]:
     """The curve whose residual on the lines is least, and 95 % intervals of its numbers.
 
     Args:

@@ -17,8 +17,8 @@ from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import shrinkage_with_interval, squared_residuals
 from modallab.gap.search.channel_share import channel_share
-from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import Bench, excess, search_origin
+from modallab.gap.search.choose import Selection
+from modallab.gap.search.fitting import Bench, excess_over_floor, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, description_of, rows_of, stage_of
 from modallab.gap.unknown.fitted import best_fits
 from modallab.gap.unknown.on_beam import operators_on_all_channels, trials_on_beam
@@ -40,7 +40,7 @@ FEW = 2
 def describe(
     bench: Bench,
     prepared: PreparedCampaign,
-    choice: Choice,
+    choice: Selection,
     location: ResidualTestsResult | None,
     everything: Reduced,
     unseen: Reduced,
@@ -74,7 +74,7 @@ def describe(
 def _candidates(
     bench: Bench,
     prepared: PreparedCampaign,
-    choice: Choice,
+    choice: Selection,
     location: ResidualTestsResult,
     unseen: Reduced,
     held: Sequence[str],
@@ -87,14 +87,14 @@ def _candidates(
     for row in rows:
         report_progress(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
         for fit in best_fits(bench, base, list(linear_operators(bench, row)), 1):
-            least = min(least, excess(fit))
+            least = min(least, excess_over_floor(fit))
             yield description_of(fit, unseen, (row,))
-        if least < SOLVED * excess(base):
+        if least < SOLVED * excess_over_floor(base):
             return
         for one in sample_operators(bench, prepared, fit_without_channel(bench, prepared, seen, row), held, row):
-            least = min(least, excess(one.fit))
+            least = min(least, excess_over_floor(one.fit))
             yield one
-    if least < SOLVED * excess(base):
+    if least < SOLVED * excess_over_floor(base):
         return
     report_progress(0.4, "the force that is missing")
     # Where no channel is known to be off alone, the one that is off most is looked at all the same.
@@ -104,7 +104,7 @@ def _candidates(
         yield description_of(fit, unseen, rows_of(fit))
 
 
-def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrinkage:
+def _shrink(choice: Selection, best: Description, held: Sequence[str]) -> Shrinkage:
     before = squared_residuals(twin_of(choice.base, best.raw), best.raw)
     after = squared_residuals(twin_of(best.fit, best.unseen), best.unseen)
     return shrinkage_with_interval(list(held), before, after, {}, np.random.default_rng(SEED))
@@ -117,7 +117,7 @@ def _document_of(
     x = x_m_of(first.place)
     share = first.interval.get("x")
     length = rig.beam.length_m if rig.beam is not None else 1.0
-    near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]
+    near = [o for o in others if excess_over_floor(o.fit) < ABOUT * excess_over_floor(best.fit)]
     return GapDescription(
         says=learned_in_words(best.learned, rig),
         stage=cast("Stage", stage_of(best)),

@@ -7,8 +7,8 @@ import numpy as np
 
 from modallab.core.effect import NO_PLACE, Place
 from modallab.gap.model.fit import Fit, cost_of, cost_with_price
-from modallab.gap.model.prefit import start, starts
-from modallab.gap.search.fitting import COARSEST_ERROR, Bench, finish, misfit, short_fit
+from modallab.gap.model.prefit import start_fit, start_fits
+from modallab.gap.search.fitting import COARSEST_ERROR, Bench, complete_fit, forgivable_error, short_fit
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.learned import learned_element_models
 
@@ -19,7 +19,7 @@ BEGINS = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class ElementTrial:
     """An element with places to begin from.
 
     Attributes:
@@ -52,14 +52,14 @@ def element(
     return CandidateEffect(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
 
 
-def short_fit_of(bench: Bench, base: Fit, trial: Trial) -> Fit:
+def short_fit_of(bench: Bench, base: Fit, trial: ElementTrial) -> Fit:
     """A few steps from the best place to begin."""
     c, size = trial.candidate, bench.free.size
     own = [np.array([s.coordinate(v) for s, v in zip(c.slots, values, strict=True)]) for values in trial.begins]
     begins = [np.concatenate([base.u[:size], o]) for o in own]
     if len(bench.poles):
-        begins += [start((c,), o, bench.free, bench.poles).u for o in own]
-        begins += [] if own else [s.u for s in starts((c,), bench.free, bench.poles, BEGINS)]
+        begins += [start_fit((c,), o, bench.free, bench.poles).u for o in own]
+        begins += [] if own else [s.u for s in start_fits((c,), bench.free, bench.poles, BEGINS)]
     if not own:
         begins += [np.concatenate([base.u[:size], [s.coordinate(s.starts[0]) for s in c.slots]])]
     floor = forgiven_error(base)
@@ -68,20 +68,20 @@ def short_fit_of(bench: Bench, base: Fit, trial: Trial) -> Fit:
 
 def forgiven_error(base: Fit) -> float:
     """Relative model error that is forgiven while elements are looked at from a fit without any."""
-    return min(COARSEST_ERROR, max(misfit(base.problem, base.u), 0.003))
+    return min(COARSEST_ERROR, max(forgivable_error(base.problem, base.u), 0.003))
 
 
-def short_fits(bench: Bench, base: Fit, trials: Sequence[Trial]) -> list[Fit]:
+def short_fits(bench: Bench, base: Fit, trials: Sequence[ElementTrial]) -> list[Fit]:
     """A short look at each of some elements, best first."""
     return sorted((short_fit_of(bench, base, t) for t in trials), key=cost_of)
 
 
 def converged_fits(bench: Bench, base: Fit, looks: Sequence[Fit], best: int = BEST) -> list[Fit]:
     """The best of these looks brought to their end on all data."""
-    floor = max(misfit(base.problem, base.u) / 6, 0.001)
-    return [finish(bench, f, floor) for f in looks[:best]]
+    floor = max(forgivable_error(base.problem, base.u) / 6, 0.001)
+    return [complete_fit(bench, f, floor) for f in looks[:best]]
 
 
-def best_fits(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
+def best_fits(bench: Bench, base: Fit, trials: Sequence[ElementTrial], best: int = BEST) -> list[Fit]:
     """The best of some elements brought to their end on all data, best first."""
     return sorted(converged_fits(bench, base, short_fits(bench, base, trials), best), key=cost_with_price)

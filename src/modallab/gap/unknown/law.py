@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.unknown.missing_force import Missing
+from modallab.gap.unknown.missing_force import ForceEstimate
 
 SUBSETS = (("k",), ("m",), ("c",), ("k", "c"), ("k", "m"), ("hung",), ("k", "hung"), ("c", "hung"))
 """Terms that are tried together."""
@@ -26,7 +26,7 @@ FORGIVEN = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
+class PointLawFit:
     """Terms of a law with their numbers.
 
     Attributes:
@@ -42,14 +42,14 @@ class Law:
     price: float
 
 
-def laws(missing: Missing) -> list[Law]:
+def laws(missing: ForceEstimate) -> list[PointLawFit]:
     """The laws that the force at one place may follow, the likeliest first; those of negative damping left out."""
     s, w = missing.s, missing.motion
     sigma = np.hypot(missing.sigma, FORGIVEN * np.abs(missing.force))
     plain = {"k": w, "c": s * w, "m": s**2 * w}
     hz = np.geomspace(max(np.min(np.abs(s.imag)) / (2 * np.pi), 1.0), np.max(np.abs(s.imag)) / (2 * np.pi), RESONANCES)
     target = -missing.force / sigma
-    found: list[Law] = []
+    found: list[PointLawFit] = []
     for terms in SUBSETS:
         best = _best_terms(
             [plain[t] / sigma for t in terms if t != "hung"], "hung" in terms, (s, w / sigma), hz, target
@@ -96,7 +96,9 @@ def _least_squares(columns: list[Complex], target: Complex) -> tuple[float, Real
     return float(np.sum((y - real / size @ values) ** 2)), values / size
 
 
-def _law(missing: Missing, terms: tuple[str, ...], best: tuple[float, Real, float], lines: int) -> Law | None:
+def _law(
+    missing: ForceEstimate, terms: tuple[str, ...], best: tuple[float, Real, float], lines: int
+) -> PointLawFit | None:
     cost, values, hz = best
     numbers = {"hung_m" if t == "hung" else t: float(v) for t, v in zip(terms, values, strict=True)}
     if numbers.get("c", 1.0) <= 0 or numbers.get("hung_m", 1.0) <= 0:
@@ -104,4 +106,4 @@ def _law(missing: Missing, terms: tuple[str, ...], best: tuple[float, Real, floa
     if "hung" in terms:
         numbers["hung_hz"] = hz
     left = missing.left + cost
-    return Law(missing.x, numbers, left, left + len(numbers) * float(np.log(2 * lines)))
+    return PointLawFit(missing.x, numbers, left, left + len(numbers) * float(np.log(2 * lines)))

@@ -26,7 +26,7 @@ PLACES = tuple(float(x) for x in np.linspace(0.04, 1.0, 25))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Missing:
+class ForceEstimate:
     """A force at one place.
 
     Attributes:
@@ -73,7 +73,7 @@ class MissingForce:
         ]
         self._ringing_at_end = [_ringing_at_end(self._twin, self._modes, d, self._data) for d in self._data.impacts]
 
-    def at(self, x: float) -> Missing:
+    def at(self, x: float) -> ForceEstimate:
         """The force at a share of the length that leaves least."""
         place = x * self._twin.structure.length_m
         own = [self._unit_response(d, place) for d in self._data.impacts]
@@ -103,7 +103,7 @@ class MissingForce:
 
     def _least_squares(
         self, x: float, place: float, own: list[Complex], step: Real, bare: list[Complex], stacks: list[Complex]
-    ) -> Missing:
+    ) -> ForceEstimate:
         free, first, left, count = self._parts[0].shape[0], self._parts[0].shape[0], 0.0, 0
         lines: list[Complex] = []
         forces: list[Complex] = []
@@ -127,7 +127,7 @@ class MissingForce:
         _, _, weight = self._priors
         left += float(np.sum(weight * step[:free] ** 2))
         s, force, motion = (np.concatenate(parts) for parts in (lines, forces, motions))
-        return Missing(x, left, count, s, force, motion, np.concatenate(sigmas))
+        return ForceEstimate(x, left, count, s, force, motion, np.concatenate(sigmas))
 
     def _unit_response(self, d: ImpactData, place: float) -> Complex:
         """(channels, lines) what a unit force at a place leaves, in noise units."""

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from modallab.core.effect import AllAlongBeam, AllChannels
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
-from modallab.gap.unknown.fitted import Trial, element
-from modallab.gap.unknown.law import Law, laws
+from modallab.gap.unknown.fitted import ElementTrial, element
+from modallab.gap.unknown.law import PointLawFit, laws
 from modallab.gap.unknown.missing_force import PLACES, MissingForce
 from modallab.gap.unknown.spare_poles import trials_at_spare_poles
 
@@ -22,28 +22,28 @@ WHOLE = (("gain",), ("delay",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "d
 """The same of an operator on all channels."""
 
 
-def trials_on_beam(bench: Bench, base: Fit) -> Iterator[Trial]:
+def trials_on_beam(bench: Bench, base: Fit) -> Iterator[ElementTrial]:
     """The elements worth a fit, each with places to begin from."""
     for law in _likely(bench, base):
         names = tuple(law.numbers)
-        yield Trial(element(bench, "point_law", (*names, "x")), ((*law.numbers.values(), law.x),))
+        yield ElementTrial(element(bench, "point_law", (*names, "x")), ((*law.numbers.values(), law.x),))
     yield from trials_at_spare_poles(bench, base)
     yield from forces_along_beam(bench)
 
 
-def forces_along_beam(bench: Bench) -> Iterator[Trial]:
+def forces_along_beam(bench: Bench) -> Iterator[ElementTrial]:
     """Forces all along the beam."""
     for names in ALONG:
-        yield Trial(element(bench, "beam_law", names, AllAlongBeam(), 1 / len(names)))
+        yield ElementTrial(element(bench, "beam_law", names, AllAlongBeam(), 1 / len(names)))
 
 
-def operators_on_all_channels(bench: Bench) -> Iterator[Trial]:
+def operators_on_all_channels(bench: Bench) -> Iterator[ElementTrial]:
     """Operators that act on all accelerometers alike."""
     for names in WHOLE:
-        yield Trial(element(bench, "row_filter", names, AllChannels()))
+        yield ElementTrial(element(bench, "row_filter", names, AllChannels()))
 
 
-def _likely(bench: Bench, base: Fit) -> list[Law]:
+def _likely(bench: Bench, base: Fit) -> list[PointLawFit]:
     """The likeliest laws of a missing force at no more than a few places each, and those where any force leaves least.
 
     Near the root a force is known so badly that any law describes it: its place must be looked at by itself.
@@ -52,7 +52,7 @@ def _likely(bench: Bench, base: Fit) -> list[Law]:
         return []
     estimator = MissingForce(base, bench.data)
     places = [(missing.left, laws(missing)) for missing in map(estimator.at, PLACES)]
-    by_terms: dict[tuple[str, ...], list[Law]] = {}
+    by_terms: dict[tuple[str, ...], list[PointLawFit]] = {}
     for law in sorted((law for _, found in places for law in found), key=_price):
         by_terms.setdefault(tuple(law.numbers), []).append(law)
     likely = sorted((law for some in by_terms.values() for law in some[:EACH]), key=_price)[:MOST]
@@ -60,5 +60,5 @@ def _likely(bench: Bench, base: Fit) -> list[Law]:
     return list({id(law): law for law in (*likely, *(law for _, found in least for law in found[:EACH]))}.values())
 
 
-def _price(law: Law) -> float:
+def _price(law: PointLawFit) -> float:
     return law.price

@@ -15,12 +15,12 @@ from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.report.initial_gap import problem_of_records, weights_of
-from modallab.gap.search.fitting import Bench, finish
-from modallab.gap.unknown.curve import Curve, curve_of, refined
+from modallab.gap.search.fitting import Bench, complete_fit
+from modallab.gap.unknown.curve import ForceCurve, curve_of, refined
 from modallab.gap.unknown.description import Description
-from modallab.gap.unknown.fitted import Trial, element
+from modallab.gap.unknown.fitted import ElementTrial, element
 from modallab.gap.unknown.sample_hold import hold_of
-from modallab.gap.unknown.volts import Channel, channel_of, without_operator
+from modallab.gap.unknown.volts import ChannelOperator, channel_of, without_operator
 
 LINEAR = (("gain",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"), ("mount_hz", "mount_zeta"))
 """Terms of an operator on one channel that are tried together."""
@@ -28,10 +28,10 @@ LEFT = 0.003
 """Relative model error that is forgiven while a twin meets the channel again that it was fitted without."""
 
 
-def linear_operators(bench: Bench, row: int) -> Iterator[Trial]:
+def linear_operators(bench: Bench, row: int) -> Iterator[ElementTrial]:
     """Linear operators on one channel."""
     for names in LINEAR:
-        yield Trial(element(bench, "row_filter", names, OneChannel(channel=row)))
+        yield ElementTrial(element(bench, "row_filter", names, OneChannel(channel=row)))
 
 
 def fit_without_channel(bench: Bench, prepared: PreparedCampaign, fitted: Sequence[Block], row: int) -> Fit:
@@ -88,8 +88,8 @@ def _with_least_noise(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
 
 
 def _curve(
-    prepared: PreparedCampaign, alone: Fit, channel: Channel, fitted: Sequence[Block]
-) -> tuple[Curve, dict[str, tuple[float, float]]]:
+    prepared: PreparedCampaign, alone: Fit, channel: ChannelOperator, fitted: Sequence[Block]
+) -> tuple[ForceCurve, dict[str, tuple[float, float]]]:
     """The channel's static curve with the intervals of its numbers."""
     used = [b for b in fitted if (b.name, channel.row) not in prepared.masked]
     # A twin predicts sines sample by sample, of hits no more than their lines.
@@ -99,7 +99,7 @@ def _curve(
     answers = forward(alone.problem.twin(alone.u), data)
     at = data.channels.index(channel.row)
 
-    def residual(curve: Curve) -> Real:
+    def residual(curve: ForceCurve) -> Real:
         clean = reduce_blocks(
             prepared.campaign, without_operator(fitted, channel, curve.made(channel)), weights_of(prepared)
         )
@@ -113,7 +113,7 @@ def _with_channel(
     bench: Bench,
     prepared: PreparedCampaign,
     alone: Fit,
-    channel: Channel,
+    channel: ChannelOperator,
     made: Mapping[str, Real],
     learned: LearnedElement,
     held: set[str],
@@ -122,7 +122,7 @@ def _with_channel(
     clean = replace(prepared, blocks=without_operator(prepared.blocks, channel, made))
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
     again = problem_of_records(clean, own, bench.free, bench.allowed)
-    fit = finish(again, alone, LEFT)
+    fit = complete_fit(again, alone, LEFT)
     return Description(fit, _held_out(clean, held), _held_out(prepared, held), (learned,), (channel.row,))
 
 

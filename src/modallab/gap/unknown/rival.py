@@ -14,7 +14,7 @@ from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.evidence import evidence, evidence_without_name
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, Problem, fit_at
-from modallab.gap.search.choose import Choice
+from modallab.gap.search.choose import Selection
 from modallab.gap.search.fitting import Bench, search_origin, within_tolerances
 from modallab.gap.unknown.description import Description, cost_per_number, description_of, rows_of
 from modallab.gap.unknown.fitted import best_fits, converged_fits, forgiven_error, short_fits
@@ -67,7 +67,7 @@ def lone_channel(
 def unnamed_explanations(
     bench: Bench,
     prepared: PreparedCampaign,
-    named: Choice,
+    named: Selection,
     alone: LoneChannel | None,
     unseen: Reduced,
     held: Sequence[str],

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.unknown.volts import Channel
+from modallab.gap.unknown.volts import ChannelOperator
 
 EXCEEDING = 6.0
 """Times the noise by which a sample must have been expected elsewhere to count as lost."""
@@ -14,7 +14,7 @@ LEAST = 0.002
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Hold:
+class SampleHold:
     """Lost samples.
 
     Attributes:
@@ -30,14 +30,14 @@ class Hold:
     made: dict[str, Real]
 
 
-def hold_of(channel: Channel, noise_v: float) -> Hold | None:
+def hold_of(channel: ChannelOperator, noise_v: float) -> SampleHold | None:
     """What a channel has lost; None where it has lost nothing."""
     found = [_hold(channel, noise_v, kept) for kept in (1.0, 0.0)]
     best = max(found, key=lambda h: h.share)
     return best if best.share > LEAST else None
 
 
-def _hold(channel: Channel, noise_v: float, kept: float) -> Hold:
+def _hold(channel: ChannelOperator, noise_v: float, kept: float) -> SampleHold:
     lost = seen = 0
     made: dict[str, Real] = {}
     for name, counts in channel.counts.items():
@@ -52,4 +52,4 @@ def _hold(channel: Channel, noise_v: float, kept: float) -> Hold:
         made[name] = np.where(gone, instead, u)
         lost, seen = lost + int(np.count_nonzero(gone & could)), seen + int(np.count_nonzero(could))
     share = lost / max(seen, 1)
-    return Hold(kept, share, float(np.sqrt(share * (1 - share) / max(seen, 1))), made)
+    return SampleHold(kept, share, float(np.sqrt(share * (1 - share) / max(seen, 1))), made)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.model.prefit import start, starts
-from modallab.gap.search.fitting import Bench, misfit
-from modallab.gap.unknown.fitted import Trial, element
+from modallab.gap.model.prefit import start_fit, start_fits
+from modallab.gap.search.fitting import Bench, forgivable_error
+from modallab.gap.unknown.fitted import ElementTrial, element
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.learned.side_modes import FAMILIES
 from modallab.twin.structure import frequency_multiples
@@ -28,22 +28,22 @@ MEMBERS = 2
 """Modes of a family, the lowest first, that a pole may be."""
 
 
-def trials_at_spare_poles(bench: Bench, base: Fit) -> Iterator[Trial]:
+def trials_at_spare_poles(bench: Bench, base: Fit) -> Iterator[ElementTrial]:
     """Elements with modes of their own, begun at the poles of the ring-down."""
     if len(bench.poles):
         yield from _absorbers(bench)
         yield from _side_modes(bench, base)
 
 
-def _absorbers(bench: Bench) -> Iterator[Trial]:
+def _absorbers(bench: Bench) -> Iterator[ElementTrial]:
     candidate = element(bench, "point_law", ("hung_m", "hung_hz", "x"))
     found = []
     for x in PLACES:
         held = candidate.with_fixed_place(x)
-        begin = starts((held,), bench.free, bench.poles, 1)[0]
+        begin = start_fits((held,), bench.free, bench.poles, 1)[0]
         law = held.effect_at(begin.u[bench.free.size :]).parameters
         found.append((begin.cost, (law["hung_m"], law["hung_hz"], x)))
-    yield Trial(candidate, tuple(values for _, values in sorted(found)[:HUNG]))
+    yield ElementTrial(candidate, tuple(values for _, values in sorted(found)[:HUNG]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,8 @@ class _Family:
     begin: tuple[float, ...]
 
 
-def _side_modes(bench: Bench, base: Fit) -> Iterator[Trial]:
-    floor = misfit(base.problem, base.u)
+def _side_modes(bench: Bench, base: Fit) -> Iterator[ElementTrial]:
+    floor = forgivable_error(base.problem, base.u)
     found: list[_Family] = []
     for name, family in FAMILIES.items():
         shape = {"alone_power": 1.0} if family == "alone" else {}
@@ -68,7 +68,7 @@ def _side_modes(bench: Bench, base: Fit) -> Iterator[Trial]:
                 one = _first_trial(bench, candidate, (hz, *shape.values()), zeta, floor)
                 found += [] if one is None else [one]
     best = sorted(found, key=lambda f: -f.takes)[:BESIDE]
-    yield from (Trial(f.candidate, (f.begin,)) for f in best)
+    yield from (ElementTrial(f.candidate, (f.begin,)) for f in best)
 
 
 def _first_trial(
@@ -84,7 +84,7 @@ def _first_trial(
     def at(kg: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         values = (*first, kg, zeta)
         own = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
-        return start((candidate,), own, bench.free, bench.poles).u
+        return start_fit((candidate,), own, bench.free, bench.poles).u
 
     kg = bench.data.rig.beam.mass_kg
     u, none = at(kg), at(kg * 1e9)

@@ -16,7 +16,7 @@ from modallab.twin.bench import Twin
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Channel:
+class ChannelOperator:
     """One channel of all records.
 
     Attributes:
@@ -32,7 +32,7 @@ class Channel:
     expected: Mapping[str, Real]
 
 
-def channel_of(prepared: PreparedCampaign, twin: Twin, row: int) -> Channel:
+def channel_of(prepared: PreparedCampaign, twin: Twin, row: int) -> ChannelOperator:
     """One channel of all records, beside what the twin predicts of it."""
     rig, blocks = prepared.campaign.rig, prepared.blocks
     at = [c.index for c in rig.responses].index(row)
@@ -45,10 +45,10 @@ def channel_of(prepared: PreparedCampaign, twin: Twin, row: int) -> Channel:
     read = {b.name: (b.samples[row] * b.scale[row]).astype(np.float64) for b in blocks}
     raw = {b.name: b for b in prepared.campaign.blocks}
     counts = {b.name: np.asarray(raw[b.name].samples[row], dtype=np.float64) for b in blocks}
-    return Channel(row, read, counts, expected)
+    return ChannelOperator(row, read, counts, expected)
 
 
-def without_operator(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
+def without_operator(blocks: Sequence[Block], channel: ChannelOperator, made: Mapping[str, Real]) -> tuple[Block, ...]:
     """Records with one channel as it would read without an operator, to first order in what the twin does not know.
 
     Args:
