@@ -44,14 +44,16 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
             bench.start()
             bench.read(BLOCK, 1.0)
             bench.prompt_hit(struck)
-            samples = conversion.to_si(bench.read(3 * BLOCK, 1.0).samples)
+            samples = bench.read(3 * BLOCK, 1.0).samples
             bench.stop()
-            first = int(np.argmax(samples[0] >= 2.0)) - BEFORE
-            answer = response_of_hit(samples[:, first : first + BLOCK], conversion.force, RATE_HZ, BEFORE)
-            if samples[0].max() < WEAKEST_N or answer is None:
+            force_n = conversion.force_n(samples)
+            first = int(np.argmax(force_n >= 2.0)) - BEFORE
+            block = samples[:, first : first + BLOCK]
+            answer = response_of_hit(block, conversion, RATE_HZ, BEFORE, check.checked_rows, check.up_to_hz)
+            if force_n.max() < WEAKEST_N or answer is None:
                 continue
             said = check.check_hit(f"{point}/{n}", point, answer)
-            found.append((point, struck, good, bool(said.reasons), said.drive_kind_of))
+            found.append((point, struck, good, bool(said.reasons), said.nearest_point))
             if not said.reasons:
                 check.keep_hit(f"{point}/{n}", f"{point}/{n}", point)
                 good += 1

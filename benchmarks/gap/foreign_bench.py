@@ -80,11 +80,11 @@ def _played(site: BenchAtOneRate, x_m: float, force: Array, count: int) -> Array
     """
     structure, again = site.structure, round(BLOCK_S * site.rate_hz) * site.oversample
     state, stretches = structure.at_rest, []
-    for block in range(ceil((count + structure.latency) / BLOCK)):
+    for block in range(ceil((count + structure.force_delay) / BLOCK)):
         first, wanted = structure.times(block)
         inside = np.arange(first, first + wanted)
         inside = np.where(inside < len(force), inside, inside - again)
         padded = np.where((inside >= 0) & (inside < len(force)), force[np.clip(inside, 0, len(force) - 1)], 0.0)
         seen, state = structure.advance(state, [BeamLoad(x_m, padded)])
         stretches.append(seen)
-    return np.concatenate(stretches, axis=1)[:, structure.latency : structure.latency + count]
+    return np.concatenate(stretches, axis=1)[:, structure.force_delay : structure.force_delay + count]

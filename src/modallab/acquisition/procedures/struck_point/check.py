@@ -119,7 +119,7 @@ class HitLocation:
     """What one hit says of where it landed.
 
     Attributes:
-        looks_like: the point it is nearest to; 0 if nothing is known.
+        nearest_point: the point it is nearest to; 0 if nothing is known.
         distance: from what is known of the requested point, 0 for the same; NaN if nothing is.
         scale: motion a newton over what is known of the requested point; NaN if nothing is.
         reasons: why it is rejected; empty if it may count.
