@@ -95,7 +95,9 @@ def _draw_points(rig: Rig, order: dict[int, int], at: Real) -> list[Markup]:
         )
         for p, n in order.items()
     ]
-    return [*parts, *(_draw_text(at[order[p]] + [5, -5], str(p), "var(--soft)") for p in _points_with_room(order, at))]
+    # Below the point and beyond a ring about it: a mark's line leads up.
+    below = np.array([4.0, 19.0])
+    return [*parts, *(_draw_text(at[order[p]] + below, str(p), "var(--soft)") for p in _points_with_room(order, at))]
 
 
 def _points_with_room(order: dict[int, int], at: Real) -> list[int]:
