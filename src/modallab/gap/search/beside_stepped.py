@@ -9,14 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.arrays import Real
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.reduce import select_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import identify_again
 from modallab.gap.inference.select import SearchRound, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Fit, Problem, fit_at
+from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import Bench, fit_at_on_all_data, refitted_without, without_effect
 from modallab.gap.search.laws import ROOT, SOFT, law_round
@@ -32,21 +31,12 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> SearchRound | None:
         level = StepwiseSelection(without, fit_at_on_all_data(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits:
         return None
-    # The root that such a law leaves soft stands in its own numbers again.
-    kept = [(c, own) for c, own in _coordinates(level.fits[0]) if not (law in SOFT and c.effect == ROOT)]
-    u = np.concatenate([level.fits[0].u[: bench.free.size], *(own for _, own in kept)])
-    linear = fit_at(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
+    linear = fit_at_on_all_data(bench, level.fits[0])
     with part_of_progress(0.6, 1.0):
         both = law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
     # Beside another effect the law may have found a better place: it counts without that effect as well.
-    alone = [refitted_without(fit, k) for fit in both.fits[:1] for k in range(len(kept))]
+    alone = [refitted_without(fit, k) for fit in both.fits[:1] for k in range(len(fit.problem.candidates) - 1)]
     return SearchRound(both.base, (*both.fits, *alone))
-
-
-def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
-    """The effects of a fit, each with its coordinates."""
-    ends = fit.problem.free.size + np.cumsum([len(c.slots) for c in fit.problem.candidates])
-    return [(c, fit.u[e - len(c.slots) : e]) for c, e in zip(fit.problem.candidates, ends, strict=True)]
 
 
 def linear_part(bench: Bench, fit: Fit) -> Bench:
@@ -69,7 +59,8 @@ def without_element(data: Reduced, twin: Twin) -> Reduced:
 
 def linear_fit(bench: Bench, fit: Fit) -> Fit:
     """The fit without the element; the root that it leaves soft becomes a soft root."""
-    stepped, own = _coordinates(fit)[-1]
+    stepped = fit.problem.candidates[-1]
+    own = fit.u[len(fit.u) - len(stepped.slots) :]
     problem, u = without_effect(fit.problem, fit.u, len(fit.problem.candidates) - 1)
     problem = Problem(bench.data, bench.free, problem.candidates)
     if stepped.effect in SOFT:
